@@ -1,0 +1,44 @@
+# taut: make (build), make demo, make test, make bench, make deps. On a fresh Debian 12 machine `make demo` and `make test`
+# install what is missing and need nothing else.
+
+BUILD := build/release
+SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
+PACKAGES := g++ cmake ninja-build pkg-config libopenmesh-dev libosd-dev libembree-dev libglm-dev libopenimageio-dev openimageio-tools \
+            libtbb-dev libtinygltf-dev libtomlplusplus-dev libcli11-dev libspdlog-dev libfmt-dev nlohmann-json3-dev catch2 \
+            ffmpeg fonts-dejavu-core
+MISSING := $(shell for p in $(PACKAGES); do dpkg-query -W -f='$${Status}' $$p 2>/dev/null | grep -q 'install ok installed' || echo $$p; done)
+
+.PHONY: all build deps demo test bench sanitize format clean
+
+all: build
+
+build: deps
+	cmake --preset release
+	cmake --build --preset release
+
+deps:
+ifneq ($(MISSING),)
+	$(SUDO) apt-get update -qq
+	$(SUDO) env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $(MISSING)
+endif
+
+demo: build
+	apps/demo/demo.sh $(BUILD)/taut out/demo
+
+test: build
+	ctest --preset release
+
+bench: build
+	$(BUILD)/taut_bench --output build/bench.json
+
+# The whole suite under the address and undefined behaviour sanitizers.
+sanitize: deps
+	cmake --preset sanitize
+	cmake --build --preset sanitize
+	ctest --preset sanitize
+
+format:
+	clang-format -i $$(git ls-files '*.h' '*.cpp')
+
+clean:
+	rm -rf build out

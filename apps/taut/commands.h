@@ -1,0 +1,19 @@
+#pragma once
+/// The subcommands of `taut`: each adds itself to the parser and runs when chosen.
+
+#include "taut/base/error.h"
+
+#include <CLI/CLI.hpp>
+
+namespace taut::app {
+
+/// A subcommand that was chosen runs here and returns the exit code.
+using Run = std::function<int()>;
+
+void addRender(CLI::App &parent, Run &run);
+void addInfo(CLI::App &parent, Run &run);
+
+/// Prints each warning as one line on standard error.
+void printWarnings(const Warnings &warnings);
+
+} // namespace taut::app

@@ -1,0 +1,46 @@
+/// taut: renders deforming meshes whose gloss follows the deformation. One file a subcommand.
+/// Exit codes: 0 done, 1 failed while running, 2 usage or bad scene.
+
+#include "commands.h"
+
+#include <exception>
+#include <iostream>
+#include <new>
+
+namespace {
+
+constexpr int kFailed = 1;
+constexpr int kBadInput = 2;
+
+int fail(int code, const char *what) {
+    std::cerr << "taut: error: " << what << std::endl;
+    return code;
+}
+
+} // namespace
+
+void taut::app::printWarnings(const Warnings &warnings) {
+    for (const std::string &line : warnings.lines) std::cerr << "taut: warning: " << line << std::endl;
+}
+
+int main(int argc, char **argv) {
+    CLI::App app("Renders deforming meshes whose gloss follows the deformation.", "taut");
+    app.set_version_flag("--version", "taut " TAUT_VERSION);
+    app.require_subcommand(1);
+    taut::app::Run run;
+    taut::app::addRender(app, run);
+    taut::app::addInfo(app, run);
+    try {
+        app.parse(argc, argv);
+        return run();
+    } catch (const CLI::ParseError &error) {
+        if (error.get_exit_code() == 0) return app.exit(error); // --help, --version
+        return fail(kBadInput, (std::string(error.what()) + " (see taut --help)").c_str());
+    } catch (const taut::InputError &error) {
+        return fail(kBadInput, error.what());
+    } catch (const std::bad_alloc &) {
+        return fail(kFailed, "out of memory");
+    } catch (const std::exception &error) {
+        return fail(kFailed, error.what());
+    }
+}

@@ -1,0 +1,31 @@
+#pragma once
+/// Arguments that several subcommands share: the scene, overrides, frames and threads.
+
+#include "taut/scene/scene.h"
+
+#include <CLI/CLI.hpp>
+#include <tbb/global_control.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace taut::app {
+
+struct SceneArguments {
+    std::string scene;
+    std::vector<std::string> overrides;
+    std::string frames;
+    int threads = 0; ///< 0: all
+};
+
+/// Adds SCENE, -D, --frames and -t to a subcommand.
+void addSceneArguments(CLI::App &command, SceneArguments &arguments);
+
+/// Reads the scene, applies --frames, prints warnings unless `quiet`.
+Scene loadScene(const SceneArguments &arguments, bool quiet);
+
+/// Limits the number of threads while it lives.
+std::shared_ptr<tbb::global_control> limitThreads(int threads);
+
+} // namespace taut::app

@@ -1,0 +1,34 @@
+# Finds what taut leans on. Debian 12's packages are the reference; where their CMake files are broken the library is
+# found by hand and wrapped in an interface target, so that nothing of the trouble leaks into the rest of the build.
+# Included by the build and, after installation, by tautConfig.cmake.
+
+find_package(glm REQUIRED)
+find_package(TBB REQUIRED)
+find_package(TinyGLTF REQUIRED)
+find_package(tomlplusplus REQUIRED)
+find_package(nlohmann_json REQUIRED)
+find_package(embree 3.13 REQUIRED)
+find_package(OpenMesh REQUIRED)
+
+# OpenImageIO's targets list an include directory that Debian does not ship (opencv4): link the library alone.
+find_path(TAUT_OIIO_INCLUDE OpenImageIO/imageio.h REQUIRED)
+find_library(TAUT_OIIO_LIBRARY OpenImageIO REQUIRED)
+find_library(TAUT_OIIO_UTIL_LIBRARY OpenImageIO_Util REQUIRED)
+find_path(TAUT_IMATH_INCLUDE ImathVec.h PATH_SUFFIXES Imath REQUIRED)
+
+# OpenSubdiv's CMake config names a missing static library.
+find_path(TAUT_OSD_INCLUDE opensubdiv/far/topologyRefiner.h REQUIRED)
+find_library(TAUT_OSD_CPU_LIBRARY osdCPU REQUIRED)
+
+function(taut_wrap name)
+    cmake_parse_arguments(ARG "" "" "INCLUDE;LIBRARIES" ${ARGN})
+    if(NOT TARGET ${name})
+        add_library(${name} INTERFACE IMPORTED GLOBAL)
+        set_target_properties(${name} PROPERTIES INTERFACE_LINK_LIBRARIES "${ARG_LIBRARIES}" INTERFACE_SYSTEM_INCLUDE_DIRECTORIES "${ARG_INCLUDE}" INTERFACE_INCLUDE_DIRECTORIES "${ARG_INCLUDE}")
+    endif()
+endfunction()
+
+taut_wrap(taut_openimageio INCLUDE "${TAUT_OIIO_INCLUDE};${TAUT_IMATH_INCLUDE}" LIBRARIES "${TAUT_OIIO_LIBRARY};${TAUT_OIIO_UTIL_LIBRARY}")
+taut_wrap(taut_opensubdiv INCLUDE "${TAUT_OSD_INCLUDE}" LIBRARIES "${TAUT_OSD_CPU_LIBRARY}")
+taut_wrap(taut_openmesh INCLUDE "" LIBRARIES "OpenMeshCore")
+taut_wrap(taut_embree INCLUDE "" LIBRARIES "embree")

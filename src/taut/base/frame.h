@@ -1,0 +1,48 @@
+#pragma once
+/// Orthonormal right-handed frames (s, t, n). Stretch and shear never live in a frame: they live in M.
+
+#include "taut/base/vec.h"
+
+#include <cassert>
+
+namespace taut {
+
+/// Orthonormal frame; local z is `n`. Checked on construction in debug builds.
+struct Frame {
+    Vec3 s{1, 0, 0};
+    Vec3 t{0, 1, 0};
+    Vec3 n{0, 0, 1};
+
+    Frame() = default;
+    Frame(const Vec3 &s_, const Vec3 &t_, const Vec3 &n_) : s(s_), t(t_), n(n_) {
+        assert(std::fabs(glm::dot(s, t)) < 1e-4F && std::fabs(glm::dot(s, n)) < 1e-4F && std::fabs(glm::dot(t, n)) < 1e-4F);
+        assert(std::fabs(glm::dot(s, s) - 1) < 1e-4F && std::fabs(glm::dot(t, t) - 1) < 1e-4F && std::fabs(glm::dot(n, n) - 1) < 1e-4F);
+    }
+
+    [[nodiscard]] Vec3 toLocal(const Vec3 &w) const { return {glm::dot(w, s), glm::dot(w, t), glm::dot(w, n)}; }
+    [[nodiscard]] Vec3 fromLocal(const Vec3 &l) const { return s * l.x + t * l.y + n * l.z; }
+};
+
+/// Frame of a unit normal that is a smooth function of the normal away from n = -z, where the field has its one
+/// singular point (the sphere's hair must part somewhere). Frisvad 2012, without the branch of Duff et al. 2017, which
+/// would put a seam along the equator.
+inline Frame smoothFrameFromNormal(const Vec3 &n) {
+    if (n.z < -0.9999998F) return {Vec3(0, -1, 0), Vec3(-1, 0, 0), n};
+    const float k = 1 / (1 + n.z);
+    const Vec3 s = glm::normalize(Vec3(1 - n.x * n.x * k, -n.x * n.y * k, -n.x));
+    return {s, glm::cross(n, s), n};
+}
+
+/// Frame with normal `n` (unit) whose s is `tangent` made perpendicular to n; falls back to smoothFrameFromNormal where
+/// the tangent vanishes in the plane of n.
+inline Frame frameFromNormalTangent(const Vec3 &n, const Vec3 &tangent) {
+    const Vec3 s = tangent - n * glm::dot(n, tangent);
+    const float lengthSquared = glm::dot(s, s);
+    if (!(lengthSquared > 1e-12F * glm::dot(tangent, tangent))) return smoothFrameFromNormal(n);
+    // The second projection removes what cancellation left of n in s.
+    Vec3 unit = s / std::sqrt(lengthSquared);
+    unit = glm::normalize(unit - n * glm::dot(n, unit));
+    return {unit, glm::cross(n, unit), n};
+}
+
+} // namespace taut

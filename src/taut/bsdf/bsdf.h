@@ -1,0 +1,187 @@
+#pragma once
+/// Scattering at one hit: conductor, dielectric, diffuse, and diffuse under a coat, on a transformed GGX microsurface.
+///
+/// Local shading space: z = shading normal on the viewer's side. The caller turns the frame so that the geometric normal faces
+/// the viewer; wo.z may still be negative where an interpolated normal leans away, and is handled (Tokuyoshi 2021).
+/// `fCos` is the BSDF times |wi.z|, the only product that stays finite at grazing; it is never split.
+
+#include "taut/base/warp.h"
+#include "taut/bsdf/fresnel.h"
+#include "taut/microsurface/ggx.h"
+
+#include <optional>
+
+namespace taut {
+
+enum class BsdfType : std::uint8_t { Conductor, SchlickConductor, Dielectric, Diffuse, Coated, MetallicRoughness };
+
+/// Everything needed to scatter at a hit. What a field means depends on the type, as in scene.h's Material.
+struct Bsdf {
+    BsdfType type = BsdfType::Diffuse;
+    bool correlated = true;  ///< height-correlated G2, else separable
+    float eta = 1.5F;        ///< index beyond / index on the viewer's side
+    float diffuseEscape = 1; ///< coats: (1 - internal diffuse reflectance), from coatEscape()
+    MicroTransform micro;
+    Vec3 f0{1};     ///< Schlick types
+    Vec3 albedo{0}; ///< diffuse part
+    Vec3 tint{1};   ///< dielectric transmission
+    Vec3 conductorEta{1};
+    Vec3 conductorK{0};
+};
+
+struct BsdfEval {
+    Vec3 fCos{0};
+    float pdf = 0; ///< solid-angle density with which sample() returns wi
+};
+
+struct BsdfSample {
+    Vec3 wi;     ///< local, unit
+    Vec3 weight; ///< fCos / pdf
+    float pdf = 0;
+    float etaScale = 1; ///< square of the relative index crossed (radiance scaling), for Russian roulette
+    bool transmitted = false;
+};
+
+/// 1 - (diffuse reflectance from inside) of a smooth coat of index eta: (1 - R_outside) / eta^2.
+inline float coatEscape(float eta) {
+    return (1 - fresnel::diffuseReflectance(eta)) / (eta * eta);
+}
+
+/// A Bsdf seen from one direction: what evaluation and sampling share, computed once a hit.
+class ScatteringPoint {
+  public:
+    ScatteringPoint(const Bsdf &bsdf, const Vec3 &wo) : bsdf_(bsdf), wo_(wo) {
+        if (bsdf.type == BsdfType::Diffuse) return;
+        length_ = ggx::stretchedLength(bsdf.micro, wo);
+        area_ = ggx::visibleArea(bsdf.micro, wo, length_);
+        bound_ = bsdf.type == BsdfType::Dielectric ? 1.0F : ggx::capBound(bsdf.micro, wo);
+        if (hasDiffuse()) {
+            const float reflected = luminance(fresnelAt(std::fabs(wo.z)));
+            const float below = luminance(bsdf.albedo) * (1 - reflected);
+            specularProbability_ = below > 0 ? glm::clamp(reflected / (reflected + below), 0.1F, 0.9F) : 1.0F;
+        }
+    }
+
+    /// fCos and pdf of a given wi.
+    [[nodiscard]] BsdfEval evaluate(const Vec3 &wi) const {
+        if (bsdf_.type == BsdfType::Diffuse) return diffuse(wi);
+        if (wi.z <= 0) return bsdf_.type == BsdfType::Dielectric ? transmission(wi) : BsdfEval{};
+        BsdfEval e = reflection(wi);
+        if (bsdf_.type == BsdfType::Dielectric) return e;
+        e.pdf *= specularProbability_;
+        if (hasDiffuse()) {
+            const BsdfEval d = substrate(wi);
+            e.fCos += d.fCos;
+            e.pdf += (1 - specularProbability_) * d.pdf;
+        }
+        return e;
+    }
+
+    /// A wi with density evaluate(wi).pdf, or nothing where the sampled normal reflects below the horizon. `lobe` chooses
+    /// between lobes, `u` the direction; both uniform in [0, 1).
+    [[nodiscard]] std::optional<BsdfSample> sample(const Vec2 &u, float lobe) const {
+        if (bsdf_.type == BsdfType::Diffuse || (hasDiffuse() && lobe >= specularProbability_)) {
+            return finish(squareToCosineHemisphere(u));
+        }
+        const Vec3 wm = ggx::sampleVisibleNormal(bsdf_.micro, wo_, u, bound_);
+        const float cosine = glm::dot(wo_, wm);
+        if (!(cosine > 0)) return std::nullopt;
+        if (bsdf_.type == BsdfType::Dielectric && lobe >= fresnel::dielectric(cosine, bsdf_.eta)) {
+            Vec3 wi;
+            if (!fresnel::refract(wo_, wm, cosine, bsdf_.eta, wi) || !(wi.z < 0)) return std::nullopt;
+            return finish(wi);
+        }
+        const Vec3 wi = glm::normalize(2 * cosine * wm - wo_);
+        if (!(wi.z > 0)) return std::nullopt;
+        return finish(wi);
+    }
+
+  private:
+    [[nodiscard]] bool hasDiffuse() const {
+        return (bsdf_.type == BsdfType::Coated || bsdf_.type == BsdfType::MetallicRoughness) && bsdf_.albedo != Vec3(0);
+    }
+
+    [[nodiscard]] Vec3 fresnelAt(float cosine) const {
+        switch (bsdf_.type) {
+        case BsdfType::Conductor: return fresnel::conductor(cosine, bsdf_.conductorEta, bsdf_.conductorK);
+        case BsdfType::SchlickConductor:
+        case BsdfType::MetallicRoughness: return fresnel::schlick(cosine, bsdf_.f0);
+        default: return Vec3(fresnel::dielectric(cosine, bsdf_.eta));
+        }
+    }
+
+    [[nodiscard]] std::optional<BsdfSample> finish(const Vec3 &wi) const {
+        const BsdfEval e = evaluate(wi);
+        if (!(e.pdf > 0)) return std::nullopt;
+        BsdfSample s;
+        s.wi = wi;
+        s.pdf = e.pdf;
+        s.weight = e.fCos / e.pdf;
+        s.transmitted = wi.z < 0;
+        s.etaScale = s.transmitted ? bsdf_.eta * bsdf_.eta : 1;
+        return s;
+    }
+
+    [[nodiscard]] BsdfEval diffuse(const Vec3 &wi) const {
+        if (wi.z <= 0) return {};
+        return {bsdf_.albedo * (kInvPi * wi.z), kInvPi * wi.z};
+    }
+
+    /// Lambertian layer under a smooth-interface approximation of the coat: albedo / pi T(wo) T(wi) / (eta^2 (1 - albedo R_in)),
+    /// which reflects everything the coat lets through where albedo = 1.
+    [[nodiscard]] BsdfEval substrate(const Vec3 &wi) const {
+        const float in = 1 - fresnel::dielectric(wi.z, bsdf_.eta);
+        const float out = 1 - fresnel::dielectric(std::fabs(wo_.z), bsdf_.eta);
+        const Vec3 series = bsdf_.albedo / (Vec3(1) - bsdf_.albedo * (1 - bsdf_.diffuseEscape));
+        return {series * (kInvPi * wi.z * in * out / (bsdf_.eta * bsdf_.eta)), kInvPi * wi.z};
+    }
+
+    /// Reflection lobe: F D visibility cos, and the density of bounded-cap sampling, D / (2 (k wo.z + L(wo))).
+    [[nodiscard]] BsdfEval reflection(const Vec3 &wi) const {
+        const Vec3 h = wo_ + wi;
+        const float density = ggx::distribution(bsdf_.micro, h);
+        const float cosine = glm::dot(wo_, h) / glm::length(h);
+        const float lengthI = ggx::stretchedLength(bsdf_.micro, wi);
+        // For a back-facing wo the weight is F G1(wi), Tokuyoshi 2021.
+        const float shape = wo_.z > 0 ? ggx::visibility(wo_.z, length_, wi.z, lengthI, bsdf_.correlated) : 1 / (area_ * (wi.z + lengthI));
+        const float base = bound_ < 1 ? bound_ * wo_.z + length_ : area_;
+        BsdfEval e{Vec3(density * shape * wi.z), density / (2 * base)};
+        const Vec3 f = fresnelAt(cosine);
+        e.fCos *= f;
+        if (bsdf_.type == BsdfType::Dielectric) e.pdf *= f.x;
+        return e;
+    }
+
+    /// Refraction lobe (Walter et al. 2007, eq. 21, as radiance: without the factor eta^2) for wi.z < 0.
+    [[nodiscard]] BsdfEval transmission(const Vec3 &wi) const {
+        if (wi.z >= 0) return {};
+        Vec3 h = -(wo_ + bsdf_.eta * wi); // towards the thinner side where eta > 1
+        if (h.z < 0) h = -h;
+        const float inverse = 1 / glm::length(h);
+        const float cosO = glm::dot(wo_, h) * inverse;
+        const float cosI = glm::dot(wi, h) * inverse;
+        if (!(cosO > 0) || !(cosI < 0)) return {};
+        const float density = ggx::distribution(bsdf_.micro, h);
+        const float transmitted = 1 - fresnel::dielectric(cosO, bsdf_.eta);
+        const float denominator = sqr(cosO + bsdf_.eta * cosI);
+        if (!(denominator > 0)) return {};
+        const float visible = 2 * cosO * density / area_; // D_vis
+        const float lambdaI = ggx::lambda(bsdf_.micro, wi);
+        // G2 / G1(wo): what is left of the light on its way out.
+        const float lambdaO = ggx::lambda(bsdf_.micro, wo_);
+        const float leaving = wo_.z > 0 ? ggx::shadowing(lambdaO, lambdaI, false, bsdf_.correlated) * (1 + lambdaO) : 1 / (1 + lambdaI);
+        BsdfEval e;
+        e.pdf = transmitted * visible * bsdf_.eta * bsdf_.eta * -cosI / denominator;
+        e.fCos = bsdf_.tint * (transmitted * visible * leaving * -cosI / denominator);
+        return e;
+    }
+
+    const Bsdf &bsdf_;
+    Vec3 wo_;
+    float length_ = 1; ///< L(wo)
+    float area_ = 1;   ///< wo.z + L(wo), stable
+    float bound_ = 1;  ///< k of the bounded cap
+    float specularProbability_ = 1;
+};
+
+} // namespace taut

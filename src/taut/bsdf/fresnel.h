@@ -1,0 +1,64 @@
+#pragma once
+/// Fresnel reflectance, unpolarised. Cosines are measured from the micro-normal, on the side of the viewer.
+
+#include "taut/base/vec.h"
+
+namespace taut::fresnel {
+
+/// Dielectric interface; eta = index beyond / index on the viewer's side. 1 at total internal reflection.
+inline float dielectric(float cosine, float eta) {
+    const float c = glm::clamp(cosine, 0.0F, 1.0F);
+    const float g2 = eta * eta - 1 + c * c;
+    if (g2 <= 0) return 1;
+    const float g = std::sqrt(g2);
+    // Walter et al. 2007, eq. 22.
+    const float a = (g - c) / (g + c);
+    const float b = (c * (g + c) - 1) / (c * (g - c) + 1);
+    return 0.5F * a * a * (1 + b * b);
+}
+
+/// Schlick 1994 with reflectance f0 at normal incidence.
+inline Vec3 schlick(float cosine, const Vec3 &f0) {
+    const float m = 1 - glm::clamp(cosine, 0.0F, 1.0F);
+    const float m2 = m * m;
+    return f0 + (Vec3(1) - f0) * (m2 * m2 * m);
+}
+
+/// Conductor of complex index eta + i k (relative to the outside), exact.
+inline float conductor(float cosine, float eta, float k) {
+    const float c = glm::clamp(cosine, 0.0F, 1.0F);
+    const float c2 = c * c;
+    const float s2 = 1 - c2;
+    const float t0 = eta * eta - k * k - s2;
+    const float a2b2 = std::sqrt(t0 * t0 + 4 * eta * eta * k * k);
+    const float a = std::sqrt(std::fmax(0.0F, 0.5F * (a2b2 + t0)));
+    const float rs = (a2b2 + c2 - 2 * a * c) / (a2b2 + c2 + 2 * a * c);
+    const float rp = rs * (c2 * a2b2 + s2 * s2 - 2 * a * c * s2) / (c2 * a2b2 + s2 * s2 + 2 * a * c * s2);
+    return 0.5F * (rs + rp);
+}
+inline Vec3 conductor(float cosine, const Vec3 &eta, const Vec3 &k) {
+    return {conductor(cosine, eta.x, k.x), conductor(cosine, eta.y, k.y), conductor(cosine, eta.z, k.z)};
+}
+
+/// Hemispherical reflectance of a smooth dielectric for diffuse light arriving from outside: 2 * integral of F(c) c dc.
+/// Midpoint rule with 256 nodes, called once a material.
+inline float diffuseReflectance(float eta) {
+    double sum = 0;
+    constexpr int kNodes = 256;
+    for (int i = 0; i < kNodes; ++i) {
+        const double c = (i + 0.5) / kNodes;
+        sum += 2 * c * static_cast<double>(dielectric(static_cast<float>(c), eta));
+    }
+    return static_cast<float>(sum / kNodes);
+}
+
+/// The direction beyond the interface, or false at total internal reflection. `cosine` = <wo, wm> > 0, eta as above.
+inline bool refract(const Vec3 &wo, const Vec3 &wm, float cosine, float eta, Vec3 &wi) {
+    const float inverse = 1 / eta;
+    const float c2 = 1 - inverse * inverse * (1 - cosine * cosine);
+    if (!(c2 > 0)) return false;
+    wi = glm::normalize(wm * (inverse * cosine - std::sqrt(c2)) - wo * inverse);
+    return true;
+}
+
+} // namespace taut::fresnel

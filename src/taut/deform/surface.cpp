@@ -1,0 +1,398 @@
+#include "taut/deform/surface.h"
+
+#include "taut/base/frame.h"
+#include "taut/mesh/triangulate.h"
+
+#include <algorithm>
+#include <cstring>
+#include <map>
+#include <numeric>
+#include <unordered_map>
+
+namespace taut {
+
+namespace {
+
+/// Normals closer than this (about 0.6 degrees) belong to one surface vertex.
+constexpr float kSameNormalCosine = 0.99995F;
+/// A fit whose rest tangents come out this short or skewed is no fit.
+constexpr float kLeastFitDeterminant = 0.02F;
+/// Tangents on either side of a UV seam within this angle (20 degrees) are one direction that the seam only interrupts.
+constexpr float kSameTangentCosine = 0.94F;
+
+std::size_t hashBytes(const void *data, std::size_t size, std::size_t seed) {
+    const auto *bytes = static_cast<const unsigned char *>(data);
+    for (std::size_t i = 0; i < size; ++i) seed = (seed ^ bytes[i]) * 1099511628211ULL;
+    return seed;
+}
+
+/// True where two positions coincide at rest and move alike: same skin row, same morph displacements.
+bool sameMotion(const Mesh &mesh, Index a, Index b) {
+    if (mesh.positions[a] != mesh.positions[b]) return false;
+    for (const MorphTarget &morph : mesh.morphs)
+        if (morph.positionDeltas[a] != morph.positionDeltas[b]) return false;
+    if (mesh.skin.empty()) return true;
+    const auto &[offsets, joints, weights] = mesh.skin;
+    const Index count = offsets[a + 1] - offsets[a];
+    if (count != offsets[b + 1] - offsets[b]) return false;
+    for (Index k = 0; k < count; ++k)
+        if (joints[offsets[a] + k] != joints[offsets[b] + k] || weights[offsets[a] + k] != weights[offsets[b] + k]) return false;
+    return true;
+}
+
+/// Canonical position of each position.
+std::vector<Index> weldPositions(const Mesh &mesh, bool weld) {
+    std::vector<Index> canonical(mesh.positions.size());
+    std::iota(canonical.begin(), canonical.end(), Index{0});
+    if (!weld) return canonical;
+    std::unordered_multimap<std::size_t, Index> seen;
+    seen.reserve(mesh.positions.size());
+    for (Index i = 0; i < mesh.positions.size(); ++i) {
+        const Vec3 p = mesh.positions[i] + Vec3(0.0F); // -0 and 0 are one place
+        const std::size_t key = hashBytes(&p, sizeof p, 14695981039346656037ULL);
+        const auto [first, last] = seen.equal_range(key);
+        const auto match = std::find_if(first, last, [&](const auto &entry) { return sameMotion(mesh, entry.second, i); });
+        if (match != last)
+            canonical[i] = match->second;
+        else
+            seen.emplace(key, i);
+    }
+    return canonical;
+}
+
+/// Sums contributions of faces to stencils: a small map from position to weight per surface vertex.
+struct StencilRow {
+    std::vector<std::pair<Index, Vec2>> entries;
+    float area = 0;
+    void add(Index position, const Vec2 &weight) {
+        for (auto &[at, sum] : entries)
+            if (at == position) {
+                sum += weight;
+                return;
+            }
+        entries.emplace_back(position, weight);
+    }
+};
+
+class Builder {
+  public:
+    Builder(const Mesh &mesh, const SurfaceOptions &options) : mesh_(mesh), options_(options) {
+        surface_.restFromObject = options.restFromObject;
+        canonical_ = weldPositions(mesh, options.weld);
+        rest_.resize(mesh.positions.size());
+        for (std::size_t i = 0; i < rest_.size(); ++i) rest_[i] = options.restFromObject * mesh.positions[i];
+    }
+
+    Surface build() {
+        makeSurfaceVertices();
+        makeFits();
+        makeWeightGradients();
+        makeRenderVertices();
+        makeTriangles();
+        return std::move(surface_);
+    }
+
+  private:
+    /// The corner triangle (this, next, previous) of a polygon's corner.
+    struct Corner {
+        Index self, next, previous; // corner numbers in the mesh
+    };
+    [[nodiscard]] Corner corner(std::size_t face, Index k) const {
+        const Index begin = mesh_.faceOffsets[face];
+        const Index count = mesh_.faceOffsets[face + 1] - begin;
+        return {begin + k, begin + (k + 1) % count, begin + (k + count - 1) % count};
+    }
+    [[nodiscard]] const Vec3 &restAt(Index cornerNumber) const { return rest_[mesh_.cornerPositions[cornerNumber]]; }
+
+    template <class F> void forEachCorner(const F &f) const {
+        for (std::size_t face = 0; face < mesh_.faceCount(); ++face) {
+            const Index count = mesh_.faceOffsets[face + 1] - mesh_.faceOffsets[face];
+            for (Index k = 0; k < count; ++k) f(face, corner(face, k));
+        }
+    }
+
+    [[nodiscard]] std::vector<Vec3> facePoints(std::size_t face) const {
+        std::vector<Vec3> points;
+        for (Index c = mesh_.faceOffsets[face]; c < mesh_.faceOffsets[face + 1]; ++c) points.push_back(restAt(c));
+        return points;
+    }
+
+    /// Rest normal of each corner, unit, rest space.
+    [[nodiscard]] std::vector<Vec3> cornerNormals() {
+        std::vector<Vec3> result(mesh_.cornerCount(), Vec3(0));
+        std::vector<Vec3> smooth(mesh_.positions.size(), Vec3(0));
+        std::vector<Vec3> faceNormals(mesh_.faceCount());
+        for (std::size_t face = 0; face < mesh_.faceCount(); ++face) {
+            const Vec3 normal = polygonNormal(facePoints(face));
+            const float length = glm::length(normal);
+            faceNormals[face] = length > 0 ? normal / length : Vec3(0);
+            if (!(length > 0)) ++surface_.degenerateFaces;
+        }
+        // Angle-weighted vertex normals (Thuermer & Wuethrich 1998).
+        forEachCorner([&](std::size_t face, const Corner &c) {
+            const Vec3 a = restAt(c.next) - restAt(c.self);
+            const Vec3 b = restAt(c.previous) - restAt(c.self);
+            const float angle = std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
+            smooth[canonical_[mesh_.cornerPositions[c.self]]] += faceNormals[face] * angle;
+        });
+        const Mat3 normalMatrix = glm::transpose(glm::inverse(options_.restFromObject)); // normals are covectors
+        forEachCorner([&](std::size_t face, const Corner &c) {
+            Vec3 n(0);
+            const Index given = mesh_.cornerNormals.empty() ? kNone : mesh_.cornerNormals[c.self];
+            if (given != kNone)
+                n = normalMatrix * mesh_.normals[given];
+            else
+                n = options_.smooth ? smooth[canonical_[mesh_.cornerPositions[c.self]]] : faceNormals[face];
+            float length = glm::length(n);
+            if (!(length > 1e-20F)) {
+                n = faceNormals[face];
+                length = glm::length(n);
+            }
+            result[c.self] = length > 0 ? n / length : Vec3(0, 0, 1);
+        });
+        return result;
+    }
+
+    void makeSurfaceVertices() {
+        const std::vector<Vec3> normals = cornerNormals();
+        cornerSurface_.resize(mesh_.cornerCount());
+        std::vector<std::vector<Index>> atPosition(mesh_.positions.size());
+        for (Index c = 0; c < mesh_.cornerCount(); ++c) {
+            const Index position = canonical_[mesh_.cornerPositions[c]];
+            auto &here = atPosition[position];
+            const auto same = std::find_if(here.begin(), here.end(),
+                                           [&](Index s) { return glm::dot(surface_.normals[s], normals[c]) > kSameNormalCosine; });
+            if (same != here.end()) {
+                cornerSurface_[c] = *same;
+                continue;
+            }
+            cornerSurface_[c] = static_cast<Index>(surface_.normals.size());
+            here.push_back(cornerSurface_[c]);
+            const Frame frame = smoothFrameFromNormal(normals[c]);
+            surface_.surfacePosition.push_back(position);
+            surface_.normals.push_back(normals[c]);
+            surface_.e1.push_back(frame.s);
+            surface_.e2.push_back(frame.t);
+        }
+    }
+
+    /// Area-weighted mean of the corner triangles' gradients: A grad(phi_k) = n x (opposite edge) / 2.
+    void makeFits() {
+        std::vector<StencilRow> rows(surface_.normals.size());
+        forEachCorner([&](std::size_t, const Corner &c) {
+            const Index s = cornerSurface_[c.self];
+            const Vec3 &p0 = restAt(c.self);
+            const Vec3 &p1 = restAt(c.next);
+            const Vec3 &p2 = restAt(c.previous);
+            const Vec3 twiceArea = glm::cross(p1 - p0, p2 - p0);
+            const float length = glm::length(twiceArea);
+            if (!(length > 0) || glm::dot(twiceArea, surface_.normals[s]) <= 0) return; // SkipDegenerateFace; a concave corner too
+            const Vec3 n = twiceArea / length;
+            const auto weight = [&](const Vec3 &edge) {
+                const Vec3 g = 0.5F * glm::cross(n, edge);
+                return Vec2(glm::dot(g, surface_.e1[s]), glm::dot(g, surface_.e2[s]));
+            };
+            StencilRow &row = rows[s];
+            row.area += 0.5F * length;
+            row.add(canonical_[mesh_.cornerPositions[c.self]], weight(p2 - p1));
+            row.add(canonical_[mesh_.cornerPositions[c.next]], weight(p0 - p2));
+            row.add(canonical_[mesh_.cornerPositions[c.previous]], weight(p1 - p0));
+        });
+        surface_.stencilOffsets.assign(1, 0);
+        surface_.slope.assign(rows.size(), Vec2(0));
+        for (std::size_t s = 0; s < rows.size(); ++s) {
+            if (normaliseFit(rows[s], s)) {
+                for (const auto &[position, weight] : rows[s].entries) {
+                    surface_.stencilPositions.push_back(position);
+                    surface_.stencilWeights.push_back(weight);
+                }
+            } else {
+                ++surface_.loneVertices; // RestAtLoneVertex
+            }
+            surface_.stencilOffsets.push_back(static_cast<Index>(surface_.stencilPositions.size()));
+        }
+    }
+
+    /// Makes the fit exact at rest in the tangent plane and records the slope along the normal.
+    bool normaliseFit(StencilRow &row, std::size_t s) {
+        if (!(row.area > 0)) return false;
+        Vec3 f1(0);
+        Vec3 f2(0);
+        for (auto &[position, weight] : row.entries) {
+            weight /= row.area;
+            f1 += rest_[position] * weight.x;
+            f2 += rest_[position] * weight.y;
+        }
+        const Vec3 &e1 = surface_.e1[s];
+        const Vec3 &e2 = surface_.e2[s];
+        const Mat2 tangent(glm::dot(f1, e1), glm::dot(f1, e2), glm::dot(f2, e1), glm::dot(f2, e2)); // columns: f1, f2 in (e1, e2)
+        if (!(glm::determinant(tangent) > kLeastFitDeterminant)) return false;
+        const Mat2 correction = glm::inverse(tangent); // [f1 f2] * correction = [e1 e2] in the plane
+        for (auto &[position, weight] : row.entries)
+            weight = {weight.x * correction[0][0] + weight.y * correction[0][1], weight.x * correction[1][0] + weight.y * correction[1][1]};
+        const Vec3 g1 = f1 * correction[0][0] + f2 * correction[0][1];
+        const Vec3 g2 = f1 * correction[1][0] + f2 * correction[1][1];
+        surface_.slope[s] = {glm::dot(g1, surface_.normals[s]), glm::dot(g2, surface_.normals[s])};
+        return true;
+    }
+
+    void makeWeightGradients() {
+        const SkinWeights &skin = mesh_.skin;
+        if (skin.empty()) return;
+        surface_.weightGradientOffsets.assign(1, 0);
+        std::map<Index, Vec2> sums;
+        for (std::size_t s = 0; s < surface_.normals.size(); ++s) {
+            sums.clear();
+            for (Index k = surface_.stencilOffsets[s]; k < surface_.stencilOffsets[s + 1]; ++k) {
+                const Index position = surface_.stencilPositions[k];
+                for (Index i = skin.offsets[position]; i < skin.offsets[position + 1]; ++i)
+                    sums[skin.joints[i]] += surface_.stencilWeights[k] * skin.weights[i];
+            }
+            for (const auto &[joint, gradient] : sums) {
+                if (gradient == Vec2(0)) continue;
+                surface_.weightGradientJoints.push_back(joint);
+                surface_.weightGradients.push_back(gradient);
+            }
+            surface_.weightGradientOffsets.push_back(static_cast<Index>(surface_.weightGradients.size()));
+        }
+    }
+
+    /// A render vertex while it is made: dP/du summed over the faces that share it.
+    struct VertexSum {
+        Index surface, uv, tangent;
+        bool mirrored;
+        Vec3 dPdu;
+    };
+
+    void makeRenderVertices() {
+        std::map<std::tuple<Index, Index, Index, bool>, Index> known;
+        std::vector<VertexSum> sums;
+        cornerVertex_.resize(mesh_.cornerCount());
+        const auto attribute = [](const std::vector<Index> &indices, Index c) { return indices.empty() ? kNone : indices[c]; };
+        forEachCorner([&](std::size_t face, const Corner &c) {
+            const Index uv = attribute(mesh_.cornerUvs, c.self);
+            const Index tangent = attribute(mesh_.cornerTangents, c.self);
+            Vec3 dPdu(0);
+            const bool mirrored = uv != kNone && cornerDerivative(face, c, dPdu);
+            const auto [at, isNew] = known.try_emplace({cornerSurface_[c.self], uv, tangent, mirrored}, static_cast<Index>(sums.size()));
+            if (isNew) sums.push_back({cornerSurface_[c.self], uv, tangent, mirrored, Vec3(0)});
+            sums[at->second].dPdu += dPdu;
+            cornerVertex_[c.self] = at->second;
+        });
+        joinTangents(sums);
+        const bool hasUvs = !mesh_.cornerUvs.empty();
+        for (const VertexSum &sum : sums) {
+            surface_.vertexSurface.push_back(sum.surface);
+            if (hasUvs) surface_.uvs.push_back(sum.uv == kNone ? Vec2(0) : mesh_.uvs[sum.uv]);
+            surface_.frameCoefficients.push_back(restFrame(sum));
+            surface_.mirroredVertices += sum.mirrored ? 1 : 0;
+        }
+    }
+
+    /// Where the UV map runs on across a seam (a texture that wraps), each side sees half of the faces around a vertex: the halves
+    /// are put together, so that the tangent field does not jump.
+    static void joinTangents(std::vector<VertexSum> &sums) {
+        std::map<Index, std::vector<Index>> atSurface;
+        for (Index v = 0; v < sums.size(); ++v) atSurface[sums[v].surface].push_back(v);
+        for (const auto &[surfaceVertex, vertices] : atSurface) {
+            if (vertices.size() < 2) continue;
+            std::vector<Vec3> joined;
+            for (const Index v : vertices) {
+                Vec3 total(0);
+                for (const Index other : vertices) {
+                    const float lengths = glm::length(sums[v].dPdu) * glm::length(sums[other].dPdu);
+                    const bool same =
+                        sums[v].mirrored == sums[other].mirrored && glm::dot(sums[v].dPdu, sums[other].dPdu) > kSameTangentCosine * lengths;
+                    if (v == other || same) total += sums[other].dPdu;
+                }
+                joined.push_back(total);
+            }
+            for (std::size_t i = 0; i < vertices.size(); ++i) sums[vertices[i]].dPdu = joined[i];
+        }
+    }
+
+    /// dP/du of a corner triangle weighted by its area; returns true where the UV map is mirrored there.
+    bool cornerDerivative(std::size_t face, const Corner &c, Vec3 &dPdu) const {
+        const Index uv1 = mesh_.cornerUvs[c.next];
+        const Index uv2 = mesh_.cornerUvs[c.previous];
+        if (uv1 == kNone || uv2 == kNone) return false;
+        const Vec2 d1 = mesh_.uvs[uv1] - mesh_.uvs[mesh_.cornerUvs[c.self]];
+        const Vec2 d2 = mesh_.uvs[uv2] - mesh_.uvs[mesh_.cornerUvs[c.self]];
+        const float det = d1.x * d2.y - d1.y * d2.x;
+        if (!std::isfinite(det)) return false;
+        if (det == 0) return faceMirrored(face);
+        const Vec3 e1 = restAt(c.next) - restAt(c.self);
+        const Vec3 e2 = restAt(c.previous) - restAt(c.self);
+        const float area = glm::length(glm::cross(e1, e2));
+        const Vec3 derivative = (e1 * d2.y - e2 * d1.y) * (det < 0 ? -1.0F : 1.0F);
+        const float length = glm::length(derivative);
+        if (length > 0) dPdu = derivative * (area / length);
+        return det < 0;
+    }
+
+    /// Orientation of a whole face's UV polygon, for corners whose own triangle has no UV area.
+    [[nodiscard]] bool faceMirrored(std::size_t face) const {
+        float area = 0;
+        const Index begin = mesh_.faceOffsets[face];
+        const Index end = mesh_.faceOffsets[face + 1];
+        for (Index c = begin; c < end; ++c) {
+            const Index next = c + 1 == end ? begin : c + 1;
+            if (mesh_.cornerUvs[c] == kNone || mesh_.cornerUvs[next] == kNone) return false;
+            const Vec2 &a = mesh_.uvs[mesh_.cornerUvs[c]];
+            const Vec2 &b = mesh_.uvs[mesh_.cornerUvs[next]];
+            area += a.x * b.y - a.y * b.x;
+        }
+        return area < 0;
+    }
+
+    /// (t0, b0) in (e1, e2): an orthonormal frame, mirrored where the UV map is.
+    Vec4 restFrame(const VertexSum &sum) {
+        const Vec3 &e1 = surface_.e1[sum.surface];
+        const Vec3 &e2 = surface_.e2[sum.surface];
+        Vec3 direction = sum.dPdu;
+        float hand = sum.mirrored ? -1.0F : 1.0F;
+        if (sum.tangent != kNone) {
+            const Vec4 &tangent = mesh_.tangents[sum.tangent];
+            direction = options_.restFromObject * Vec3(tangent);
+            hand = tangent.w < 0 ? -1.0F : 1.0F;
+        }
+        Vec2 t(glm::dot(direction, e1), glm::dot(direction, e2));
+        const float length = glm::length(t);
+        if (length > 1e-6F * glm::length(direction) && length > 0) {
+            t /= length;
+        } else { // SmoothFieldNoUv
+            t = {1, 0};
+            ++surface_.fallbackTangents;
+        }
+        return {t.x, t.y, -hand * t.y, hand * t.x};
+    }
+
+    void makeTriangles() {
+        std::vector<Index3> local;
+        for (std::size_t face = 0; face < mesh_.faceCount(); ++face) {
+            local.clear();
+            triangulate(facePoints(face), local);
+            const Index begin = mesh_.faceOffsets[face];
+            for (const Index3 &t : local) {
+                surface_.triangles.emplace_back(cornerVertex_[begin + t.x], cornerVertex_[begin + t.y], cornerVertex_[begin + t.z]);
+                if (!mesh_.faceMaterials.empty()) surface_.triangleSlots.push_back(mesh_.faceMaterials[face]);
+            }
+        }
+    }
+
+    const Mesh &mesh_;
+    const SurfaceOptions &options_;
+    Surface surface_;
+    std::vector<Index> canonical_;     // position -> welded position
+    std::vector<Vec3> rest_;           // rest space
+    std::vector<Index> cornerSurface_; // corner -> surface vertex
+    std::vector<Index> cornerVertex_;  // corner -> render vertex
+};
+
+} // namespace
+
+Surface buildSurface(const Mesh &mesh, const SurfaceOptions &options) {
+    return Builder(mesh, options).build();
+}
+
+} // namespace taut

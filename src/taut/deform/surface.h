@@ -1,0 +1,74 @@
+#pragma once
+/// The surface of a mesh as it is rendered: triangles, render vertices with their rest tangent frame, and what is needed to
+/// evaluate the surface gradient (ds, dt) at any time. Built once a mesh; per-frame work is in surface_motion.h.
+///
+/// Three kinds of vertices:
+///   position        a point of the control mesh
+///   surface vertex  a position with one rest normal: all faces that meet there smoothly. Gradients are evaluated here, so
+///                   they do not jump at UV seams; hard edges have a surface vertex on either side.
+///   render vertex   a surface vertex with one UV and one tangent frame; triangles index these.
+///
+/// Rest space: object space under the linear part of the object's rest placement (`restFromObject`): what deformation is
+/// measured against (docs/design.md, "The rest state").
+///
+/// Policies, by name, for what has no right answer:
+///   TangentFromUv        t0 = dP/du made perpendicular to the rest normal, b0 = +-cross(n, t0), the sign of the UV map: under
+///                        mirrored UVs b0 turns over, and so does the sense of a material's rotation. The UV winding splits
+///                        render vertices, so a mirror seam is sharp.
+///                        Across a seam where the map runs on (within 20 degrees) both sides share one tangent.
+///   SmoothFieldNoUv      without UVs (or where the UV map is degenerate) t0 comes from smoothFrameFromNormal: smooth over the
+///                        sphere of normals but for one point (n = -z).
+///   SkipDegenerateFace   a face without area has no say in gradients and normals; it is still rendered by its neighbours' data.
+///   RestAtLoneVertex     a surface vertex with only degenerate faces keeps A = identity.
+
+#include "taut/base/vec.h"
+#include "taut/mesh/mesh.h"
+
+#include <vector>
+
+namespace taut {
+
+struct Surface {
+    // Render vertices.
+    std::vector<Index3> triangles;       ///< render vertices, counter-clockwise from outside
+    std::vector<Index> triangleSlots;    ///< material slot; empty: all 0
+    std::vector<Index> vertexSurface;    ///< [render vertices] -> surface vertex
+    std::vector<Vec2> uvs;               ///< [render vertices]; empty without UVs
+    std::vector<Vec4> frameCoefficients; ///< [render vertices]: t0 = x e1 + y e2, b0 = z e1 + w e2
+
+    // Surface vertices.
+    std::vector<Index> surfacePosition; ///< -> position
+    std::vector<Vec3> normals;          ///< rest space, unit
+    std::vector<Vec3> e1, e2;           ///< rest space: with the normal an orthonormal right-handed frame
+    Mat3 restFromObject{1};
+
+    // Area-weighted fit: dx/de1 = sum weights.x * x[position], dx/de2 = sum weights.y * x[position]; exact in the tangent plane
+    // at rest. `slope` is what is left along the rest normal there.
+    std::vector<Index> stencilOffsets; ///< [surface vertices + 1]
+    std::vector<Index> stencilPositions;
+    std::vector<Vec2> stencilWeights;
+    std::vector<Vec2> slope; ///< [surface vertices]
+
+    // Derivatives of skin weights along e1 and e2 by the same fit: for joint k of surface vertex v.
+    std::vector<Index> weightGradientOffsets; ///< [surface vertices + 1]; empty without a skin
+    std::vector<Index> weightGradientJoints;
+    std::vector<Vec2> weightGradients;
+
+    // What the policies did, for `taut info`.
+    Index degenerateFaces = 0;
+    Index loneVertices = 0;
+    Index mirroredVertices = 0;
+    Index fallbackTangents = 0; ///< render vertices under SmoothFieldNoUv
+
+    [[nodiscard]] std::size_t vertexCount() const { return vertexSurface.size(); }
+};
+
+struct SurfaceOptions {
+    Mat3 restFromObject{1};
+    bool smooth = true; ///< where the file has no normals: smooth, else faceted
+    bool weld = false;  ///< join positions that coincide and move alike (glTF splits positions at seams)
+};
+
+Surface buildSurface(const Mesh &mesh, const SurfaceOptions &options);
+
+} // namespace taut

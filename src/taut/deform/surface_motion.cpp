@@ -1,0 +1,247 @@
+#include "taut/deform/surface_motion.h"
+
+#include "taut/base/error.h"
+#include "taut/base/frame.h"
+#include "taut/base/parallel.h"
+
+#include <atomic>
+
+namespace taut {
+
+namespace {
+
+constexpr std::size_t kGrain = 2048;
+/// A deformed tangent parallelogram this much thinner than its sides counts as collapsed.
+constexpr float kCollapsedSine = 1e-6F;
+/// ... and one of less than this area, whatever its shape: squares of it leave float.
+constexpr float kCollapsedArea = 1e-15F;
+
+bool isCollapsed(float area, const Vec3 &f1, const Vec3 &f2) {
+    return !(area > kCollapsedArea && area > kCollapsedSine * glm::length(f1) * glm::length(f2));
+}
+
+void resizeAll(SurfaceGradient &out, std::size_t count) {
+    for (auto *array : {&out.position, &out.f1, &out.f2, &out.normal})
+        if (array->size() != count) array->resize(count);
+}
+
+/// Policy KeepRestNormal: where the tangent parallelogram has collapsed its normal is the rest normal, carried along and made
+/// perpendicular to what is left of the tangents.
+Vec3 collapsedNormal(const Vec3 &f1, const Vec3 &f2, const Vec3 &carried) {
+    const Vec3 &longer = glm::dot(f1, f1) >= glm::dot(f2, f2) ? f1 : f2;
+    const float length = glm::length(longer);
+    Vec3 n = carried;
+    if (length > 0) {
+        const Vec3 along = longer / length;
+        n -= along * glm::dot(along, n);
+        if (!(glm::dot(n, n) > 1e-12F * glm::dot(carried, carried))) n = smoothFrameFromNormal(along).s;
+    }
+    const float size = glm::length(n);
+    return size > 0 && std::isfinite(size) ? n / size : Vec3(0, 0, 1);
+}
+
+/// Unit normal of the tangents f1, f2; `carried` is the image of the rest normal, used where they have collapsed.
+Vec3 normalOf(const Vec3 &f1, const Vec3 &f2, const Vec3 &carried) {
+    const Vec3 n = glm::cross(f1, f2);
+    const float length = glm::length(n);
+    return isCollapsed(length, f1, f2) ? collapsedNormal(f1, f2, carried) : n / length;
+}
+
+/// The fit at surface vertex s of positions in a space whose rest shape is `restFromSpace`^-1 of rest space. The normal is the
+/// unit vector whose components along the fitted tangents are the slopes recorded at rest, scaled with the surface, so that at
+/// rest, under rigid motion and under uniform scaling the file's own normals come back. Where the space is `mirrored` the normal
+/// is the one on the side of cross(f1, f2), which then is the inner one.
+void fitAt(const Surface &surface, std::size_t s, std::span<const Vec3> positions, const Mat3 &restFromSpace, bool mirrored, Vec3 &f1,
+           Vec3 &f2, Vec3 &normal) {
+    f1 = Vec3(0);
+    f2 = Vec3(0);
+    for (Index k = surface.stencilOffsets[s]; k < surface.stencilOffsets[s + 1]; ++k) {
+        const Vec3 &p = positions[surface.stencilPositions[k]];
+        f1 += p * surface.stencilWeights[k].x;
+        f2 += p * surface.stencilWeights[k].y;
+    }
+    f1 = restFromSpace * f1;
+    f2 = restFromSpace * f2;
+    const Vec2 slope = mirrored ? -surface.slope[s] : surface.slope[s];
+    const Vec3 cross = glm::cross(f1, f2);
+    const float area = glm::length(cross);
+    if (isCollapsed(area, f1, f2)) {
+        normal = collapsedNormal(f1, f2, surface.normals[s]);
+        return;
+    }
+    const Vec3 upright = cross / area;
+    const float scale = std::sqrt(area / std::sqrt(1 + glm::dot(slope, slope)));
+    const Vec2 target = slope * scale;
+    // In-plane part: solve the Gram system for the vector with the wanted dot products.
+    const float g11 = glm::dot(f1, f1);
+    const float g12 = glm::dot(f1, f2);
+    const float g22 = glm::dot(f2, f2);
+    const float inverse = 1 / (area * area); // = det of the Gram matrix
+    const Vec3 inPlane = f1 * ((g22 * target.x - g12 * target.y) * inverse) + f2 * ((g11 * target.y - g12 * target.x) * inverse);
+    normal = glm::normalize(inPlane + upright * std::sqrt(std::fmax(0.0F, 1 - glm::dot(inPlane, inPlane))));
+    f1 -= normal * glm::dot(normal, f1);
+    f2 -= normal * glm::dot(normal, f2);
+}
+
+/// Image of x and of tangents under the linear blend skin at a surface vertex:
+/// f' = sum w B f + sum (B x) dw.
+struct Blend {
+    Affine map{0};
+    Vec3 drift1{0}, drift2{0};
+};
+
+Blend blendAt(const Surface &surface, std::size_t s, const MotionState &motion, const SkinWeights &skin, const Vec3 &x) {
+    Blend blend;
+    const Index position = surface.surfacePosition[s];
+    if (motion.joints.empty() || skin.empty() || skin.offsets[position] == skin.offsets[position + 1]) {
+        blend.map = motion.carrier;
+        return blend;
+    }
+    for (Index i = skin.offsets[position]; i < skin.offsets[position + 1]; ++i)
+        blend.map += motion.joints[skin.joints[i]] * skin.weights[i];
+    const Vec3 centre = transformPoint(blend.map, x);
+    for (Index i = surface.weightGradientOffsets[s]; i < surface.weightGradientOffsets[s + 1]; ++i) {
+        // The gradients of the weights sum to zero: taking Bx relative to the blended point keeps digits.
+        const Vec3 image = transformPoint(motion.joints[surface.weightGradientJoints[i]], x) - centre;
+        blend.drift1 += image * surface.weightGradients[i].x;
+        blend.drift2 += image * surface.weightGradients[i].y;
+    }
+    return blend;
+}
+
+void applyDeformers(const MotionState &motion, DVec3 &x, DVec3 &f1, DVec3 &f2, DVec3 &n) {
+    for (const Deformer &deformer : motion.deformers) {
+        const DeformedPoint image = deform(deformer, x);
+        x = image.position;
+        f1 = image.jacobian * f1;
+        f2 = image.jacobian * f2;
+        n = image.jacobian * n;
+    }
+    x = DVec3(motion.renderFromDeformed * glm::dvec4(x, 1));
+    const DMat3 linear(motion.renderFromDeformed);
+    f1 = linear * f1;
+    f2 = linear * f2;
+    n = linear * n;
+}
+
+void throwNotFinite(const std::string &name) {
+    throw RunError("mesh '" + name + "': the deformation gives positions that are not finite");
+}
+
+} // namespace
+
+void evaluateGradient(const Surface &surface, const MotionState &motion, const SkinWeights &skin, GradientEstimator estimator,
+                      const std::string &name, SurfaceGradient &out) {
+    if (estimator == GradientEstimator::Fit) {
+        std::vector<Vec3> positions;
+        evaluatePositions(motion, skin, positions);
+        fitGradient(surface, positions, motion.mirrored, name, out);
+        return;
+    }
+    const std::size_t count = surface.normals.size();
+    resizeAll(out, count);
+    const Mat3 objectFromRest = glm::inverse(surface.restFromObject);
+    std::atomic<bool> finite{true};
+    parallelFor(count, kGrain, [&](std::size_t s) {
+        const Vec3 x = motion.control[surface.surfacePosition[s]];
+        Vec3 f1 = surface.e1[s];
+        Vec3 f2 = surface.e2[s];
+        Vec3 n = surface.normals[s];
+        if (motion.controlMoved && surface.stencilOffsets[s] != surface.stencilOffsets[s + 1])
+            fitAt(surface, s, motion.control, surface.restFromObject, false, f1, f2, n);
+        const Blend blend = blendAt(surface, s, motion, skin, x);
+        Vec3 position = transformPoint(blend.map, x);
+        f1 = transformVector(blend.map, objectFromRest * f1) + blend.drift1;
+        f2 = transformVector(blend.map, objectFromRest * f2) + blend.drift2;
+        n = transformVector(blend.map, objectFromRest * n);
+        if (!motion.deformers.empty()) {
+            DVec3 dx(position);
+            DVec3 df1(f1);
+            DVec3 df2(f2);
+            DVec3 dn(n);
+            applyDeformers(motion, dx, df1, df2, dn);
+            position = Vec3(dx);
+            f1 = Vec3(df1);
+            f2 = Vec3(df2);
+            n = Vec3(dn);
+        }
+        const Vec3 normal = normalOf(f1, f2, motion.mirrored ? -n : n);
+        out.position[s] = position;
+        out.f1[s] = f1;
+        out.f2[s] = f2;
+        out.normal[s] = motion.mirrored ? -normal : normal;
+        if (!isFinite(position)) finite = false;
+    });
+    if (!finite) throwNotFinite(name);
+}
+
+void fitGradient(const Surface &surface, std::span<const Vec3> renderPositions, bool mirrored, const std::string &name,
+                 SurfaceGradient &out) {
+    const std::size_t count = surface.normals.size();
+    resizeAll(out, count);
+    std::atomic<bool> finite{true};
+    parallelFor(count, kGrain, [&](std::size_t s) {
+        out.position[s] = renderPositions[surface.surfacePosition[s]];
+        if (surface.stencilOffsets[s] == surface.stencilOffsets[s + 1]) {
+            out.f1[s] = surface.e1[s];
+            out.f2[s] = surface.e2[s];
+            out.normal[s] = surface.normals[s];
+        } else {
+            fitAt(surface, s, renderPositions, Mat3(1), mirrored, out.f1[s], out.f2[s], out.normal[s]);
+        }
+        if (mirrored) out.normal[s] = -out.normal[s];
+        if (!isFinite(out.position[s])) finite = false;
+    });
+    if (!finite) throwNotFinite(name);
+}
+
+void evaluatePositions(const MotionState &motion, const SkinWeights &skin, std::vector<Vec3> &out) {
+    if (out.size() != motion.control.size()) out.resize(motion.control.size());
+    parallelFor(out.size(), kGrain, [&](std::size_t v) {
+        Affine map{0};
+        const bool skinned = !motion.joints.empty() && !skin.empty() && skin.offsets[v] != skin.offsets[v + 1];
+        if (skinned)
+            for (Index i = skin.offsets[v]; i < skin.offsets[v + 1]; ++i) map += motion.joints[skin.joints[i]] * skin.weights[i];
+        else
+            map = motion.carrier;
+        out[v] = transformPoint(map, motion.control[v]);
+        if (motion.deformers.empty()) return;
+        DVec3 x(out[v]);
+        for (const Deformer &deformer : motion.deformers) x = deform(deformer, x).position;
+        out[v] = Vec3(DVec3(motion.renderFromDeformed * glm::dvec4(x, 1)));
+    });
+}
+
+void spreadToVertices(const Surface &surface, const SurfaceGradient &gradient, SurfaceFrame &out) {
+    const std::size_t count = surface.vertexCount();
+    if (out.positions.size() != count + 1) out.positions.resize(count + 1);
+    for (auto *array : {&out.normals, &out.ds, &out.dt})
+        if (array->size() != count) array->resize(count);
+    parallelFor(count, kGrain, [&](std::size_t v) {
+        const Index s = surface.vertexSurface[v];
+        const Vec4 &k = surface.frameCoefficients[v];
+        out.positions[v] = gradient.position[s];
+        out.normals[v] = gradient.normal[s];
+        out.ds[v] = gradient.f1[s] * k.x + gradient.f2[s] * k.y;
+        out.dt[v] = gradient.f1[s] * k.z + gradient.f2[s] * k.w;
+    });
+}
+
+void setRestFrom(Surface &surface, const SurfaceGradient &gradient) {
+    parallelFor(surface.vertexCount(), kGrain, [&](std::size_t v) {
+        const Index s = surface.vertexSurface[v];
+        Vec4 &k = surface.frameCoefficients[v];
+        const Vec3 ds = gradient.f1[s] * k.x + gradient.f2[s] * k.y;
+        const Vec3 dt = gradient.f1[s] * k.z + gradient.f2[s] * k.w;
+        // A = [[a, b], [0, d]] in the frame with s along ds; [ds dt] A^-1 is orthonormal.
+        const float a = glm::length(ds);
+        if (!(a > 0)) return;
+        const float b = glm::dot(ds, dt) / a;
+        const Vec3 across = dt - ds * (b / a);
+        const float d = glm::length(across);
+        if (!(d > 1e-6F * glm::length(dt))) return; // collapsed at the rest frame: keeps the bind pose
+        k = {k.x / a, k.y / a, (k.z - k.x * (b / a)) / d, (k.w - k.y * (b / a)) / d};
+    });
+}
+
+} // namespace taut

@@ -1,0 +1,67 @@
+#pragma once
+/// The control mesh: polygons stay polygons, UVs, normals and tangents are kept per corner.
+/// Plain data, indices into arrays, no pointers. Positions are in the object's own space, in metres.
+
+#include "taut/base/vec.h"
+
+#include <string>
+#include <vector>
+
+namespace taut {
+
+/// One morph (shape key, blend shape): a displacement per position vertex, object space, metres.
+struct MorphTarget {
+    std::string name;
+    std::vector<Vec3> positionDeltas; ///< [positions]
+};
+
+/// Linear blend skinning weights, compressed rows: the influences of position vertex v are [offsets[v], offsets[v+1]).
+/// Weights of a vertex sum to 1; a vertex without influences follows no joint and is reported by the reader.
+struct SkinWeights {
+    std::vector<Index> offsets; ///< [positions + 1]; empty: the mesh is not skinned
+    std::vector<Index> joints;  ///< index into Skin::joints
+    std::vector<float> weights;
+    [[nodiscard]] bool empty() const { return offsets.empty(); }
+};
+
+/// A polygon mesh. Face f has the corners [faceOffsets[f], faceOffsets[f+1]), counter-clockwise seen from outside.
+/// A corner attribute that the file lacks has an empty index array. An index may be kNone where single corners lack it.
+struct Mesh {
+    std::string name;
+    std::vector<Vec3> positions;
+    std::vector<Index> faceOffsets{0};
+    std::vector<Index> cornerPositions; ///< [corners], into positions
+
+    std::vector<Vec3> normals; ///< unit, object space
+    std::vector<Index> cornerNormals;
+    std::vector<Vec2> uvs; ///< v up: (0, 0) is the lower left of the texture
+    std::vector<Index> cornerUvs;
+    std::vector<Vec4> tangents; ///< glTF TANGENT: unit xyz in object space, w = handedness (bitangent = w * cross(n, t))
+    std::vector<Index> cornerTangents;
+
+    std::vector<Index> faceMaterials;       ///< [faces], into materialNames; empty: material slot 0
+    std::vector<std::string> materialNames; ///< as the file calls them; may be empty
+
+    std::vector<MorphTarget> morphs;
+    SkinWeights skin;
+
+    [[nodiscard]] std::size_t faceCount() const { return faceOffsets.size() - 1; }
+    [[nodiscard]] std::size_t cornerCount() const { return cornerPositions.size(); }
+};
+
+/// Smallest axis-aligned box of finite points; lower > upper where there are none.
+struct Bounds {
+    Vec3 lower{kInfinity};
+    Vec3 upper{-kInfinity};
+    void add(const Vec3 &p) {
+        lower = glm::min(lower, p);
+        upper = glm::max(upper, p);
+    }
+    [[nodiscard]] bool empty() const { return !(lower.x <= upper.x); }
+    [[nodiscard]] Vec3 centre() const { return 0.5F * (lower + upper); }
+    [[nodiscard]] float diagonal() const { return empty() ? 0.0F : glm::length(upper - lower); }
+};
+
+Bounds boundsOf(const std::vector<Vec3> &points);
+
+} // namespace taut

@@ -1,0 +1,150 @@
+#include "taut/render/embree_scene.h"
+
+#include "taut/base/error.h"
+
+#include <embree3/rtcore.h>
+
+#include <array>
+#include <string>
+
+namespace taut {
+
+namespace {
+
+void onError(void *, RTCError code, const char *message) {
+    // Embree calls this where the error arises; throwing through its frames is not allowed, so errors are read after each commit.
+    static_cast<void>(code);
+    static_cast<void>(message);
+}
+
+/// Traces rays [begin, begin + N) as one packet of Embree's N-wide call.
+template <int N, class Packet, void (*Trace)(const int *, RTCScene, RTCIntersectContext *, Packet *)>
+void intersectPacket(RTCScene scene, std::span<const Ray> rays, std::size_t begin, std::span<Hit> hits) {
+    alignas(64) std::array<int, N> valid;
+    alignas(64) Packet packet;
+    const std::size_t count = std::min<std::size_t>(N, rays.size() - begin);
+    for (std::size_t i = 0; i < N; ++i) {
+        const Ray &ray = rays[begin + std::min(i, count - 1)];
+        valid[i] = i < count ? -1 : 0;
+        packet.ray.org_x[i] = ray.origin.x;
+        packet.ray.org_y[i] = ray.origin.y;
+        packet.ray.org_z[i] = ray.origin.z;
+        packet.ray.dir_x[i] = ray.direction.x;
+        packet.ray.dir_y[i] = ray.direction.y;
+        packet.ray.dir_z[i] = ray.direction.z;
+        packet.ray.tnear[i] = ray.nearest;
+        packet.ray.tfar[i] = ray.farthest;
+        packet.ray.time[i] = 0;
+        packet.ray.mask[i] = 0xffffffffU;
+        packet.ray.id[i] = 0;
+        packet.ray.flags[i] = 0;
+        packet.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+        packet.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+    }
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    if (N == 16) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    Trace(valid.data(), scene, &context, &packet);
+    for (std::size_t i = 0; i < count; ++i) {
+        Hit &hit = hits[begin + i];
+        hit.t = packet.ray.tfar[i];
+        hit.u = packet.hit.u[i];
+        hit.v = packet.hit.v[i];
+        hit.geometry = packet.hit.geomID[i];
+        hit.primitive = packet.hit.primID[i];
+        hit.normal = {packet.hit.Ng_x[i], packet.hit.Ng_y[i], packet.hit.Ng_z[i]};
+    }
+}
+
+} // namespace
+
+struct EmbreeScene::State {
+    RTCDevice device = nullptr;
+    RTCScene scene = nullptr;
+};
+
+EmbreeScene::EmbreeScene(bool dynamic) : state_(std::make_unique<State>()) {
+    state_->device = rtcNewDevice(nullptr);
+    if (state_->device == nullptr) throw RunError("Embree could not start on this machine");
+    rtcSetDeviceErrorFunction(state_->device, onError, nullptr);
+    state_->scene = rtcNewScene(state_->device);
+    if (!dynamic) return;
+    // Only this combination makes Embree 3.13 refit instead of rebuilding.
+    rtcSetSceneFlags(state_->scene, RTC_SCENE_FLAG_DYNAMIC);
+    rtcSetSceneBuildQuality(state_->scene, RTC_BUILD_QUALITY_LOW);
+}
+
+EmbreeScene::~EmbreeScene() {
+    if (state_->scene != nullptr) rtcReleaseScene(state_->scene);
+    if (state_->device != nullptr) rtcReleaseDevice(state_->device);
+}
+
+Index EmbreeScene::addTriangles(std::span<const Vec3> positions, std::span<const Index3> triangles, bool deforms) {
+    RTCGeometry geometry = rtcNewGeometry(state_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, positions.data(), 0, sizeof(Vec3),
+                               positions.size() - 1);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, triangles.data(), 0, sizeof(Index3), triangles.size());
+    rtcSetGeometryBuildQuality(geometry, deforms ? RTC_BUILD_QUALITY_REFIT : RTC_BUILD_QUALITY_MEDIUM);
+    rtcCommitGeometry(geometry);
+    const Index id = rtcAttachGeometry(state_->scene, geometry);
+    rtcReleaseGeometry(geometry);
+    return id;
+}
+
+void EmbreeScene::update(Index geometry) {
+    RTCGeometry handle = rtcGetGeometry(state_->scene, geometry);
+    rtcUpdateGeometryBuffer(handle, RTC_BUFFER_TYPE_VERTEX, 0);
+    rtcCommitGeometry(handle);
+}
+
+void EmbreeScene::commit() {
+    rtcCommitScene(state_->scene);
+    const RTCError error = rtcGetDeviceError(state_->device);
+    if (error != RTC_ERROR_NONE) throw RunError("Embree failed to build its scene (error " + std::to_string(static_cast<int>(error)) + ")");
+}
+
+void EmbreeScene::intersect(std::span<const Ray> rays, bool coherent, std::span<Hit> hits) const {
+    if (coherent)
+        for (std::size_t i = 0; i < rays.size(); i += 16) intersectPacket<16, RTCRayHit16, rtcIntersect16>(state_->scene, rays, i, hits);
+    else
+        for (std::size_t i = 0; i < rays.size(); i += 8) intersectPacket<8, RTCRayHit8, rtcIntersect8>(state_->scene, rays, i, hits);
+}
+
+void EmbreeScene::occluded(std::span<const Ray> rays, std::span<unsigned char> blocked) const {
+    constexpr std::size_t kStream = 256;
+    std::array<RTCRay, kStream> stream;
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    for (std::size_t begin = 0; begin < rays.size(); begin += kStream) {
+        const std::size_t count = std::min(kStream, rays.size() - begin);
+        for (std::size_t i = 0; i < count; ++i) {
+            const Ray &ray = rays[begin + i];
+            stream[i] = {ray.origin.x,
+                         ray.origin.y,
+                         ray.origin.z,
+                         ray.nearest,
+                         ray.direction.x,
+                         ray.direction.y,
+                         ray.direction.z,
+                         0,
+                         ray.farthest,
+                         0xffffffffU,
+                         0,
+                         0};
+        }
+        rtcOccluded1M(state_->scene, &context, stream.data(), static_cast<unsigned>(count), sizeof(RTCRay));
+        for (std::size_t i = 0; i < count; ++i) blocked[begin + i] = stream[i].tfar < 0 ? 1 : 0;
+    }
+}
+
+Bounds EmbreeScene::bounds() const {
+    RTCBounds box;
+    rtcGetSceneBounds(state_->scene, &box);
+    return {{box.lower_x, box.lower_y, box.lower_z}, {box.upper_x, box.upper_y, box.upper_z}};
+}
+
+void *EmbreeScene::native() const {
+    return state_->scene;
+}
+
+} // namespace taut

@@ -1,0 +1,106 @@
+#include "taut/render/film.h"
+
+#include <algorithm>
+#include <array>
+
+namespace taut {
+
+namespace {
+
+/// Inverse of the Blackman-Harris window's integral over [-1, 1], tabulated.
+class BlackmanHarris {
+  public:
+    BlackmanHarris() {
+        double sum = 0;
+        cumulative_[0] = 0;
+        for (int i = 0; i < kBins; ++i) {
+            sum += window((i + 0.5) / kBins);
+            cumulative_[static_cast<std::size_t>(i) + 1] = static_cast<float>(sum);
+        }
+        for (float &c : cumulative_) c /= static_cast<float>(sum);
+    }
+    [[nodiscard]] float sample(float u) const {
+        const auto above = std::upper_bound(cumulative_.begin() + 1, cumulative_.end() - 1, u);
+        const auto bin = static_cast<std::size_t>(above - cumulative_.begin()) - 1;
+        const float width = cumulative_[bin + 1] - cumulative_[bin];
+        const float within = width > 0 ? (u - cumulative_[bin]) / width : 0.5F;
+        return 2 * (static_cast<float>(bin) + within) / kBins - 1;
+    }
+
+  private:
+    static constexpr int kBins = 256;
+    static double window(double x) { // Harris 1978, minimum four-term window
+        const double w = 6.283185307179586 * x;
+        return 0.35875 - 0.48829 * std::cos(w) + 0.14128 * std::cos(2 * w) - 0.01168 * std::cos(3 * w);
+    }
+    std::array<float, kBins + 1> cumulative_{};
+};
+
+constexpr float kFilterRadius = 1.5F;
+
+} // namespace
+
+const std::vector<AovInfo> &aovInfos() {
+    static const std::vector<AovInfo> infos{
+        {Aov::Depth, "depth", {"Z"}},
+        {Aov::Albedo, "albedo", {"Albedo.R", "Albedo.G", "Albedo.B"}},
+        {Aov::Normal, "normal", {"N.X", "N.Y", "N.Z"}},
+        {Aov::ShadingNormal, "shading_normal", {"Ns.X", "Ns.Y", "Ns.Z"}},
+        {Aov::Position, "position", {"P.X", "P.Y", "P.Z"}},
+        {Aov::RestPosition, "rest_position", {"Pref.X", "Pref.Y", "Pref.Z"}},
+        {Aov::Uv, "uv", {"u", "v"}},
+        {Aov::M, "m", {"M.a", "M.b", "M.d"}},
+        {Aov::Stretch, "stretch", {"Stretch.max", "Stretch.min"}},
+        {Aov::Alpha, "alpha", {"AlphaMax", "AlphaMin", "AlphaPhi"}},
+    };
+    return infos;
+}
+
+Film::Film(const Window &window, const std::vector<Aov> &aovs) : window_(window), aovs_(aovs) {
+    for (const Aov aov : aovs_) aovChannels_ += static_cast<int>(aovInfos()[static_cast<std::size_t>(aov)].channels.size());
+    stride_ = 5 + aovChannels_;
+    sums_.assign(static_cast<std::size_t>(window.width()) * static_cast<std::size_t>(window.height()) * static_cast<std::size_t>(stride_),
+                 0.0);
+}
+
+std::vector<std::string> Film::channelNames() const {
+    std::vector<std::string> names{"R", "G", "B", "A"};
+    for (const Aov aov : aovs_) {
+        const auto &channels = aovInfos()[static_cast<std::size_t>(aov)].channels;
+        names.insert(names.end(), channels.begin(), channels.end());
+    }
+    return names;
+}
+
+void Film::add(int x, int y, const Vec3 &radiance, float alpha, const float *aovs) {
+    const auto pixel =
+        static_cast<std::size_t>(y - window_.y0) * static_cast<std::size_t>(window_.width()) + static_cast<std::size_t>(x - window_.x0);
+    double *sum = &sums_[pixel * static_cast<std::size_t>(stride_)];
+    for (int c = 0; c < 3; ++c) sum[c] += static_cast<double>(radiance[c]);
+    sum[3] += static_cast<double>(alpha);
+    if (aovs == nullptr) return;
+    sum[4] += 1;
+    for (int c = 0; c < aovChannels_; ++c) sum[5 + c] += static_cast<double>(aovs[c]);
+}
+
+std::vector<float> Film::resolve() const {
+    const std::size_t pixels = sums_.size() / static_cast<std::size_t>(stride_);
+    const int channels = 4 + aovChannels_;
+    std::vector<float> values;
+    values.reserve(pixels * static_cast<std::size_t>(channels));
+    const double inverse = samples_ > 0 ? 1.0 / samples_ : 0.0;
+    for (std::size_t p = 0; p < pixels; ++p) {
+        const double *sum = &sums_[p * static_cast<std::size_t>(stride_)];
+        for (int c = 0; c < 4; ++c) values.push_back(static_cast<float>(sum[c] * inverse));
+        for (int c = 0; c < aovChannels_; ++c) values.push_back(sum[4] > 0 ? static_cast<float>(sum[5 + c] / sum[4]) : 0.0F);
+    }
+    return values;
+}
+
+Vec2 sampleFilter(bool box, const Vec2 &u) {
+    if (box) return u - Vec2(0.5F);
+    static const BlackmanHarris filter;
+    return Vec2(filter.sample(u.x), filter.sample(u.y)) * kFilterRadius;
+}
+
+} // namespace taut

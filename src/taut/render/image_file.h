@@ -1,0 +1,38 @@
+#pragma once
+/// Image files: scene-linear float EXR and sRGB PNG, written beside their name and renamed when whole.
+
+#include "taut/render/film.h"
+
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace taut {
+
+/// Metadata of an image: names as they appear in the file ("taut:spp"), values as text.
+using Metadata = std::vector<std::pair<std::string, std::string>>;
+
+/// Interleaved float image with channel names; `window` lies in a frame of width x height.
+struct Image {
+    Window window;
+    int width = 0, height = 0;
+    std::vector<std::string> channels;
+    std::vector<float> values;
+};
+
+/// Writes by extension: .exr (all channels, float, zip) or .png (the first three channels, 8 bit sRGB). Throws RunError.
+void writeImage(const std::string &path, const Image &image, const Metadata &metadata);
+
+/// Reads an image, all channels as float. Throws InputError.
+Image readImage(const std::string &path);
+
+/// True where writeImage knows the extension.
+bool isImagePath(const std::string &path);
+
+/// Linear to sRGB (IEC 61966-2-1), clamped to [0, 1].
+float srgbEncode(float linear);
+
+/// Writes `text` to `path` beside its name first. Throws RunError.
+void writeTextFile(const std::string &path, const std::string &text);
+
+} // namespace taut

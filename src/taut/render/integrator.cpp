@@ -1,0 +1,295 @@
+#include "taut/render/integrator.h"
+
+#include "taut/base/sobol.h"
+#include "taut/base/warp.h"
+#include "taut/render/aov.h"
+
+#include <algorithm>
+#include <chrono>
+
+namespace taut {
+
+namespace {
+
+/// Pixels are visited in blocks of this side, one sample each, so that 16 neighbouring camera rays make one packet.
+constexpr int kBlock = 4;
+/// Most paths in flight a thread.
+constexpr int kMostPaths = 2048;
+/// Scattering events before Russian roulette sets in.
+constexpr int kRouletteStart = 3;
+
+/// Dimensions of the sample sequence: two for the camera, then these per event.
+enum Dimension : std::uint32_t { kFilterDimension, kLensDimension, kEventDimensions };
+enum EventDimension : std::uint32_t { kScatterDirection, kScatterLobe, kLightPoint, kLightChoice, kRoulette, kPerEvent };
+
+struct Path {
+    Vec3 throughput{1};
+    Vec3 radiance{0};
+    float alpha = 0;
+    float scatterPdf = 0; ///< of the ray under way; 0: a camera ray
+    float etaScale = 1;
+    int x = 0, y = 0;
+    std::uint32_t sample = 0;
+    std::uint32_t seed = 0; ///< of the pixel
+    bool hasAovs = false;
+};
+
+struct ShadowTest {
+    Index path;
+    Vec3 contribution;
+};
+
+float powerHeuristic(float a, float b) {
+    const float a2 = a * a;
+    return a2 / (a2 + b * b);
+}
+
+double secondsSince(std::chrono::steady_clock::time_point &start) {
+    const auto now = std::chrono::steady_clock::now();
+    const double seconds = std::chrono::duration<double>(now - start).count();
+    start = now;
+    return seconds;
+}
+
+} // namespace
+
+RayCounts &RayCounts::operator+=(const RayCounts &other) {
+    paths += other.paths;
+    camera += other.camera;
+    scattered += other.scattered;
+    shadow += other.shadow;
+    notFinite += other.notFinite;
+    return *this;
+}
+
+struct PathTracer::State {
+    const RenderScene &scene;
+    const std::vector<PreparedMaterial> &materials;
+    TraceSettings settings;
+
+    std::vector<Path> paths;
+    std::vector<float> aovs; ///< [paths x channels]
+    std::vector<Index> active, stillActive;
+    std::vector<Ray> rays, nextRays, shadowRays;
+    std::vector<Hit> hits;
+    std::vector<ShadowTest> shadowTests;
+    std::vector<unsigned char> blocked;
+
+    [[nodiscard]] Vec2 random2(const Path &path, std::uint32_t dimension) const { return sobol2(path.sample, hash(path.seed, dimension)); }
+    [[nodiscard]] float random1(const Path &path, std::uint32_t dimension) const { return sobol1(path.sample, hash(path.seed, dimension)); }
+    static std::uint32_t dimensionOf(int event, EventDimension which) {
+        return kEventDimensions + static_cast<std::uint32_t>(event) * kPerEvent + which;
+    }
+
+    void startPaths(const Window &tile, int firstSample, int lastSample);
+    [[nodiscard]] Ray cameraRay(const Path &path) const;
+    void shadeAll(int event, const std::vector<Aov> &wanted, int aovChannels);
+    void escape(Path &path, const Ray &ray) const;
+    void addLightHit(Path &path, const Ray &ray, const LightHit &hit) const;
+    void shade(int event, Index index, const Ray &ray, const Hit &hit, const std::vector<Aov> &wanted, int aovChannels);
+    void connectLight(int event, Index index, const SurfacePoint &point, const ScatteringPoint &scattering);
+    void testShadows();
+};
+
+PathTracer::PathTracer(const RenderScene &scene, const std::vector<PreparedMaterial> &materials, const TraceSettings &settings)
+    : state_(new State{scene, materials, settings, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}}) {}
+PathTracer::~PathTracer() = default;
+
+void PathTracer::State::startPaths(const Window &tile, int firstSample, int lastSample) {
+    paths.clear();
+    rays.clear();
+    active.clear();
+    for (int sample = firstSample; sample < lastSample; ++sample)
+        for (int by = tile.y0; by < tile.y1; by += kBlock)
+            for (int bx = tile.x0; bx < tile.x1; bx += kBlock)
+                for (int y = by; y < std::min(by + kBlock, tile.y1); ++y)
+                    for (int x = bx; x < std::min(bx + kBlock, tile.x1); ++x) {
+                        Path path;
+                        path.x = x;
+                        path.y = y;
+                        path.sample = static_cast<std::uint32_t>(sample);
+                        path.seed = hash(static_cast<std::uint32_t>(x) + 0x10000U * static_cast<std::uint32_t>(y), settings.seed);
+                        active.push_back(static_cast<Index>(paths.size()));
+                        rays.push_back(cameraRay(path));
+                        paths.push_back(path);
+                    }
+}
+
+Ray PathTracer::State::cameraRay(const Path &path) const {
+    const CameraState &camera = scene.camera();
+    const Vec2 offset = sampleFilter(settings.boxFilter, random2(path, kFilterDimension));
+    const float tangent = static_cast<float>(std::tan(0.5 * camera.fovY));
+    const float px = (static_cast<float>(path.x) + 0.5F + offset.x) - 0.5F * static_cast<float>(settings.width);
+    const float py = 0.5F * static_cast<float>(settings.height) - (static_cast<float>(path.y) + 0.5F + offset.y);
+    const float scale = 2 * tangent / static_cast<float>(settings.height);
+    const Vec3 through(px * scale, py * scale, -1); // on the plane at distance one
+    Ray ray;
+    ray.origin = Vec3(0);
+    ray.direction = through;
+    if (camera.apertureRadius > 0) {
+        const Vec2 lens = squareToDisk(random2(path, kLensDimension)) * static_cast<float>(camera.apertureRadius);
+        ray.origin = Vec3(lens, 0);
+        ray.direction = through * static_cast<float>(camera.focusDistance) - ray.origin;
+    }
+    ray.direction = glm::normalize(ray.direction);
+    return ray;
+}
+
+void PathTracer::State::escape(Path &path, const Ray &ray) const {
+    const LightTable &lights = scene.lights();
+    if (lights.environment == nullptr) return;
+    if (path.scatterPdf == 0) {
+        if (!lights.environment->cameraVisible) return;
+        path.radiance += path.throughput * environmentRadiance(lights, ray.direction);
+        path.alpha = 1;
+        return;
+    }
+    const float weight = powerHeuristic(path.scatterPdf, environmentPdf(lights, ray.direction));
+    path.radiance += path.throughput * environmentRadiance(lights, ray.direction) * weight;
+}
+
+void PathTracer::State::addLightHit(Path &path, const Ray &ray, const LightHit &hit) const {
+    const LightEntry &entry = scene.lights().entries[hit.entry];
+    if (path.scatterPdf == 0) {
+        path.radiance += path.throughput * entry.radiance;
+        path.alpha = 1;
+        return;
+    }
+    const float weight = powerHeuristic(path.scatterPdf, lightHitPdf(entry, ray.origin, hit.t, hit.absCosine));
+    path.radiance += path.throughput * entry.radiance * weight;
+}
+
+void PathTracer::State::connectLight(int event, Index index, const SurfacePoint &point, const ScatteringPoint &scattering) {
+    Path &path = paths[index];
+    const LightSample light = sampleLight(scene.lights(), point.position, random1(path, dimensionOf(event, kLightChoice)),
+                                          random2(path, dimensionOf(event, kLightPoint)));
+    if (!(light.pdf > 0)) return;
+    const Vec3 wi = point.frame.toLocal(light.direction);
+    const float side = glm::dot(light.direction, point.geometricNormal);
+    if ((side > 0) != (wi.z > 0)) return; // shading and geometric normal disagree about the side: no light leaks
+    const BsdfEval scattered = scattering.evaluate(wi);
+    if (!(scattered.pdf > 0)) return;
+    const float weight = light.delta ? 1.0F : powerHeuristic(light.pdf, scattered.pdf);
+    const Vec3 contribution = path.throughput * scattered.fCos * light.radiance * (weight / light.pdf);
+    if (!(maxComponent(contribution) > 0)) return;
+    Ray ray;
+    ray.origin = offsetOrigin(point.position, side > 0 ? point.geometricNormal : -point.geometricNormal);
+    ray.direction = light.direction;
+    ray.farthest = light.distance * (1 - 1e-4F);
+    shadowRays.push_back(ray);
+    shadowTests.push_back({index, contribution});
+}
+
+void PathTracer::State::shade(int event, Index index, const Ray &ray, const Hit &hit, const std::vector<Aov> &wanted, int aovChannels) {
+    Path &path = paths[index];
+    const SurfacePoint point = surfacePointAt(scene, materials, hit, -ray.direction);
+    if (path.scatterPdf == 0) {
+        path.alpha = 1;
+        path.hasAovs = true;
+        if (aovChannels > 0)
+            writeAovs(scene, point, wanted, &aovs[static_cast<std::size_t>(index) * static_cast<std::size_t>(aovChannels)]);
+    }
+    if (point.emission != Vec3(0)) {
+        const Index entry = scene.lightEntryOfObject(scene.objectOfGeometry(hit.geometry));
+        float weight = 1;
+        if (path.scatterPdf > 0 && entry != kNone) {
+            const float cosine = std::fabs(glm::dot(point.geometricNormal, ray.direction));
+            weight = powerHeuristic(path.scatterPdf, lightHitPdf(scene.lights().entries[entry], ray.origin, hit.t, cosine));
+        }
+        path.radiance += path.throughput * point.emission * weight;
+    }
+    if (event >= settings.maxEvents) return;
+
+    const Vec3 wo = point.frame.toLocal(-ray.direction);
+    const ScatteringPoint scattering(point.bsdf, wo);
+    connectLight(event, index, point, scattering);
+
+    const auto sampled =
+        scattering.sample(random2(path, dimensionOf(event, kScatterDirection)), random1(path, dimensionOf(event, kScatterLobe)));
+    if (!sampled) return;
+    const Vec3 direction = glm::normalize(point.frame.fromLocal(sampled->wi));
+    const float side = glm::dot(direction, point.geometricNormal);
+    if ((side > 0) == sampled->transmitted) return;
+    path.throughput *= sampled->weight;
+    path.etaScale *= sampled->etaScale;
+    path.scatterPdf = sampled->pdf;
+    if (event + 1 >= kRouletteStart) {
+        const float survive = std::fmin(0.95F, maxComponent(path.throughput) * path.etaScale);
+        if (!(random1(path, dimensionOf(event, kRoulette)) < survive)) return;
+        path.throughput /= survive;
+    }
+    Ray next;
+    next.origin = offsetOrigin(point.position, side > 0 ? point.geometricNormal : -point.geometricNormal);
+    next.direction = direction;
+    nextRays.push_back(next);
+    stillActive.push_back(index);
+}
+
+void PathTracer::State::shadeAll(int event, const std::vector<Aov> &wanted, int aovChannels) {
+    nextRays.clear();
+    stillActive.clear();
+    shadowRays.clear();
+    shadowTests.clear();
+    for (std::size_t i = 0; i < active.size(); ++i) {
+        Path &path = paths[active[i]];
+        const LightHit light = intersectLights(scene.lights(), rays[i].origin, rays[i].direction, hits[i].t, path.scatterPdf == 0);
+        if (light.entry != kNone)
+            addLightHit(path, rays[i], light);
+        else if (hits[i].geometry == kNone)
+            escape(path, rays[i]);
+        else
+            shade(event, active[i], rays[i], hits[i], wanted, aovChannels);
+    }
+    active.swap(stillActive);
+    rays.swap(nextRays);
+}
+
+void PathTracer::State::testShadows() {
+    blocked.resize(shadowRays.size());
+    scene.embree().occluded(shadowRays, blocked);
+    for (std::size_t i = 0; i < shadowTests.size(); ++i)
+        if (blocked[i] == 0) paths[shadowTests[i].path].radiance += shadowTests[i].contribution;
+}
+
+void PathTracer::traceTile(const Window &tile, int firstSample, int lastSample, Film &film, StageTimes &times, RayCounts &counts) {
+    State &s = *state_;
+    const int pixels = tile.width() * tile.height();
+    const int step = std::max(1, kMostPaths / std::max(1, pixels));
+    const int aovChannels = film.aovChannels();
+    for (int first = firstSample; first < lastSample; first += step) {
+        auto clock = std::chrono::steady_clock::now();
+        s.startPaths(tile, first, std::min(first + step, lastSample));
+        s.aovs.assign(s.paths.size() * static_cast<std::size_t>(aovChannels), 0.0F);
+        counts.paths += s.paths.size();
+        for (int event = 0; !s.active.empty(); ++event) {
+            (event == 0 ? counts.camera : counts.scattered) += s.rays.size();
+            if (s.settings.record != nullptr) {
+                auto &into = event == 0 ? s.settings.record->camera : s.settings.record->scattered;
+                into.insert(into.end(), s.rays.begin(), s.rays.end());
+            }
+            times.shading += secondsSince(clock);
+            s.hits.resize(s.rays.size());
+            s.scene.embree().intersect(s.rays, event == 0, s.hits);
+            (event == 0 ? times.cameraRays : times.scatteredRays) += secondsSince(clock);
+            s.shadeAll(event, film.aovs(), aovChannels);
+            times.shading += secondsSince(clock);
+            counts.shadow += s.shadowRays.size();
+            if (s.settings.record != nullptr)
+                s.settings.record->shadow.insert(s.settings.record->shadow.end(), s.shadowRays.begin(), s.shadowRays.end());
+            s.testShadows();
+            times.shadowRays += secondsSince(clock);
+        }
+        for (std::size_t i = 0; i < s.paths.size(); ++i) {
+            Path &path = s.paths[i];
+            if (!isFinite(path.radiance)) {
+                ++counts.notFinite;
+                path.radiance = Vec3(0);
+            }
+            film.add(path.x, path.y, path.radiance, path.alpha,
+                     path.hasAovs ? s.aovs.data() + i * static_cast<std::size_t>(aovChannels) : nullptr);
+        }
+        times.film += secondsSince(clock);
+    }
+}
+
+} // namespace taut

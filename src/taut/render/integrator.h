@@ -1,0 +1,48 @@
+#pragma once
+/// Unidirectional path tracing of batches: all paths of a tile advance one event at a time, so that camera rays, scattered rays
+/// and shadow rays each go to Embree together. Next-event estimation and scattered rays are combined by multiple importance
+/// sampling with the power heuristic (Veach 1997, section 9.2); Russian roulette ends dim paths.
+
+#include "taut/render/film.h"
+#include "taut/render/shading.h"
+
+#include <memory>
+#include <span>
+
+namespace taut {
+
+struct RayCounts {
+    std::uint64_t paths = 0, camera = 0, scattered = 0, shadow = 0;
+    std::uint64_t notFinite = 0; ///< samples dropped because they were not finite; 0 unless something is wrong
+    RayCounts &operator+=(const RayCounts &other);
+    [[nodiscard]] std::uint64_t rays() const { return camera + scattered + shadow; }
+};
+
+/// Rays of a render in the order they were traced, for replay. Not thread safe: record with one thread.
+struct RayRecord {
+    std::vector<Ray> camera, scattered, shadow;
+};
+
+struct TraceSettings {
+    int width = 1, height = 1; ///< of the whole frame
+    int maxEvents = 8;
+    bool boxFilter = false;
+    std::uint32_t seed = 0; ///< of this frame
+    RayRecord *record = nullptr;
+};
+
+/// Working memory of one thread; reused from tile to tile.
+class PathTracer {
+  public:
+    PathTracer(const RenderScene &scene, const std::vector<PreparedMaterial> &materials, const TraceSettings &settings);
+    ~PathTracer();
+
+    /// Traces samples [firstSample, lastSample) of the pixels of `tile` and adds them to the film.
+    void traceTile(const Window &tile, int firstSample, int lastSample, Film &film, StageTimes &times, RayCounts &counts);
+
+  private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+} // namespace taut

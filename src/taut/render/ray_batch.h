@@ -1,0 +1,26 @@
+#pragma once
+/// Rays and hits as plain arrays, in render space, and the calls that trace a batch of them through Embree in the way that suits
+/// each kind: camera rays 16 wide, scattered rays 8 wide, shadow rays as a stream.
+
+#include "taut/base/vec.h"
+
+#include <vector>
+
+namespace taut {
+
+struct Ray {
+    Vec3 origin;
+    float nearest = 0;
+    Vec3 direction;
+    float farthest = kInfinity;
+};
+
+struct Hit {
+    float t = kInfinity;
+    float u = 0, v = 0; ///< barycentrics of the second and third corner
+    Index geometry = kNone;
+    Index primitive = kNone;
+    Vec3 normal{0}; ///< geometric, not normalised, as Embree gives it
+};
+
+} // namespace taut

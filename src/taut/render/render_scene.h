@@ -1,0 +1,86 @@
+#pragma once
+/// A scene made ready to be traced: surfaces, Embree geometry and lights, built once and brought to each frame in place.
+///
+/// Render space is camera space (origin at the lens, looking along -z, y up), reached from world space in double precision
+/// before anything is rounded to float. So a motion that objects and camera share leaves the same bits behind.
+
+#include "taut/deform/stretch.h"
+#include "taut/deform/surface_motion.h"
+#include "taut/mesh/subdivide.h"
+#include "taut/render/embree_scene.h"
+#include "taut/render/lights.h"
+#include "taut/scene/object_motion.h"
+#include "taut/scene/scene.h"
+
+#include <optional>
+
+namespace taut {
+
+/// One object of the scene with its buffers; all per-vertex data are in render space.
+struct RenderObject {
+    const Object *object = nullptr;
+    std::optional<Subdivision> subdivision;
+    Surface surface;
+    ObjectMotion motion;
+    std::vector<Vec3> cage;    ///< subdivision: control points in render space
+    std::vector<Vec3> refined; ///< subdivision: refined points
+    SurfaceGradient gradient;
+    SurfaceFrame frame;
+    std::vector<SymmetricTensor> stretch; ///< [vertices] left stretch tensor V; empty: the identity (rigid, or follow = false)
+    std::vector<Vec4> tangents;           ///< [vertices] rotated tangent and sense, polarGradient()
+    bool rigid = false;
+    bool mirrored = false; ///< triangles are seen the other way round
+    Index geometry = kNone;
+
+    [[nodiscard]] const Mesh &mesh() const { return subdivision ? subdivision->mesh : *object->mesh; }
+};
+
+/// Seconds spent, by stage; shading stages are summed over threads.
+struct StageTimes {
+    double deformation = 0; ///< positions: poses, skins, deformers, subdivision
+    double gradient = 0;    ///< ds, dt, normals, V
+    double bvh = 0;
+    double cameraRays = 0, scatteredRays = 0, shadowRays = 0; ///< traversal
+    double shading = 0;
+    double film = 0;
+    StageTimes &operator+=(const StageTimes &other);
+};
+
+class RenderScene {
+  public:
+    /// Builds topology. Keeps a reference to `scene`. `animated`: more than one frame will be asked for.
+    RenderScene(const Scene &scene, bool animated);
+    RenderScene(const RenderScene &) = delete;
+    RenderScene &operator=(const RenderScene &) = delete;
+
+    /// Brings everything to a frame (which may be fractional). Adds to `times`.
+    void setFrame(double frame, StageTimes &times);
+
+    [[nodiscard]] const Scene &scene() const { return *scene_; }
+    [[nodiscard]] const EmbreeScene &embree() const { return embree_; }
+    [[nodiscard]] const std::vector<RenderObject> &objects() const { return objects_; }
+    [[nodiscard]] const LightTable &lights() const { return lights_; }
+    [[nodiscard]] const CameraState &camera() const { return camera_; }
+    [[nodiscard]] const DMat4 &worldFromRender() const { return worldFromRender_; }
+
+    /// The object behind an Embree geometry number.
+    [[nodiscard]] Index objectOfGeometry(Index geometry) const { return owners_[geometry]; }
+    /// Entry of the light table that an object emits through, else kNone.
+    [[nodiscard]] Index lightEntryOfObject(Index object) const { return lightEntries_[object]; }
+
+  private:
+    void deformObject(RenderObject &object, double frame, const DMat4 &renderFromWorld, StageTimes &times);
+    void placeLights(const DMat4 &renderFromWorld);
+
+    const Scene *scene_;
+    EmbreeScene embree_;
+    std::vector<RenderObject> objects_;
+    std::vector<Index> owners_;       // [geometries] -> object
+    std::vector<Index> lightEntries_; // [objects] -> light table
+    LightTable lights_;
+    CameraState camera_;
+    DMat4 worldFromRender_{1};
+    bool committed_ = false;
+};
+
+} // namespace taut

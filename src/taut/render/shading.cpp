@@ -1,0 +1,159 @@
+#include "taut/render/shading.h"
+
+namespace taut {
+
+namespace {
+
+constexpr float kLeastAlpha = 1e-4F;
+constexpr float kMostAlpha = 10.0F;
+
+float evaluate(const FloatParam &param, const Scene &scene, const Vec2 &uv) {
+    return param.texture == kNone ? param.value : param.value * lookup(scene.textures[param.texture], uv)[param.channel];
+}
+Vec3 evaluate(const ColorParam &param, const Scene &scene, const Vec2 &uv) {
+    return param.texture == kNone ? param.value : param.value * Vec3(lookup(scene.textures[param.texture], uv));
+}
+
+/// Rest roughness and rotation of a material at uv.
+struct RestRoughness {
+    float alphaX, alphaY, rotation;
+};
+
+RestRoughness restRoughness(const Material &material, const Scene &scene, const Vec2 &uv) {
+    RestRoughness r{evaluate(material.alphaX, scene, uv), evaluate(material.alphaY, scene, uv), evaluate(material.rotation, scene, uv)};
+    if (material.alphaIsRoughness) {
+        r.alphaX *= r.alphaX;
+        r.alphaY *= r.alphaY;
+    }
+    float strength = material.anisotropyStrength;
+    if (material.anisotropyTexture != kNone) {
+        const Vec4 texel = lookup(scene.textures[material.anisotropyTexture], uv);
+        r.rotation += std::atan2(2 * texel.y - 1, 2 * texel.x - 1);
+        strength *= texel.z;
+    }
+    // KHR_materials_anisotropy: rougher along the direction.
+    if (strength != 0) r.alphaX = glm::mix(r.alphaX, 1.0F, strength * strength);
+    r.alphaX = glm::clamp(r.alphaX, kLeastAlpha, kMostAlpha);
+    r.alphaY = glm::clamp(r.alphaY, kLeastAlpha, kMostAlpha);
+    return r;
+}
+
+/// M = A M0 / lambda in the shading frame. With A = V R, R taking t0 to `tangent` and b0 to its `sense` side, and because a mirror
+/// image of the standard microsurface is itself, M = V Rotation(tangent) Rotation(sense * rotation) diag(1/alphaX, 1/alphaY).
+MicroTransform transformAt(const Material &material, const Scene &scene, const Vec2 &uv, const Vec3 &stretch, const Vec2 &tangent,
+                           float sense) {
+    const RestRoughness rest = restRoughness(material, scene, uv);
+    const float area = std::fabs(stretch.x * stretch.z - stretch.y * stretch.y);
+    const float inverseLambda = material.poisson == 0 ? 1.0F : 1 / normalStretch(std::fmax(area, 1e-12F), material.poisson);
+    const Vec3 v = stretch * inverseLambda;
+    if (rest.alphaX == rest.alphaY) return microTransform(v.x / rest.alphaX, v.y / rest.alphaX, v.y / rest.alphaX, v.z / rest.alphaX);
+    Vec2 axis = tangent;
+    if (rest.rotation != 0) {
+        const float c = std::cos(rest.rotation);
+        const float s = std::sin(rest.rotation) * sense;
+        axis = {tangent.x * c - tangent.y * s, tangent.x * s + tangent.y * c};
+    }
+    return microTransform((v.x * axis.x + v.y * axis.y) / rest.alphaX, (v.y * axis.x - v.x * axis.y) / rest.alphaY,
+                          (v.y * axis.x + v.z * axis.y) / rest.alphaX, (v.z * axis.x - v.y * axis.y) / rest.alphaY);
+}
+
+Bsdf makeBsdf(const PreparedMaterial &prepared, const Scene &scene, const SurfacePoint &point, float sense, Vec3 &baseColor) {
+    const Vec2 &uv = point.uv;
+    const Material &material = *prepared.material;
+    Bsdf bsdf;
+    baseColor = evaluate(material.color, scene, uv);
+    bsdf.correlated = material.masking == Masking::Correlated;
+    bsdf.eta = material.ior;
+    switch (material.type) {
+    case MaterialType::Diffuse:
+        bsdf.type = BsdfType::Diffuse;
+        bsdf.albedo = baseColor;
+        return bsdf;
+    case MaterialType::Conductor:
+        bsdf.type = material.hasConductorIor ? BsdfType::Conductor : BsdfType::SchlickConductor;
+        bsdf.conductorEta = material.conductorEta;
+        bsdf.conductorK = material.conductorK;
+        bsdf.f0 = baseColor;
+        break;
+    case MaterialType::Dielectric:
+        bsdf.type = BsdfType::Dielectric;
+        bsdf.tint = baseColor;
+        if (!point.front) bsdf.eta = 1 / material.ior;
+        break;
+    case MaterialType::Coated:
+        bsdf.type = BsdfType::Coated;
+        bsdf.albedo = baseColor;
+        break;
+    case MaterialType::MetallicRoughness: {
+        const float metallic = glm::clamp(evaluate(material.metallic, scene, uv), 0.0F, 1.0F);
+        bsdf.type = BsdfType::MetallicRoughness;
+        bsdf.albedo = baseColor * (1 - metallic);
+        bsdf.f0 = glm::mix(Vec3(sqr((material.ior - 1) / (material.ior + 1))), baseColor, metallic);
+        break;
+    }
+    }
+    bsdf.diffuseEscape = prepared.coatEscape;
+    bsdf.micro = transformAt(material, scene, uv, point.stretch, point.tangent, sense);
+    return bsdf;
+}
+
+} // namespace
+
+std::vector<PreparedMaterial> prepareMaterials(const Scene &scene) {
+    std::vector<PreparedMaterial> prepared;
+    for (const Material &material : scene.materials) prepared.push_back({&material, coatEscape(material.ior)});
+    return prepared;
+}
+
+SurfacePoint surfacePointAt(const RenderScene &scene, const std::vector<PreparedMaterial> &materials, const Hit &hit, const Vec3 &wo) {
+    SurfacePoint point;
+    const RenderObject &object = scene.objects()[scene.objectOfGeometry(hit.geometry)];
+    const Surface &surface = object.surface;
+    const SurfaceFrame &vertices = object.frame;
+    const Index3 t = surface.triangles[hit.primitive];
+    const Vec3 b(1 - hit.u - hit.v, hit.u, hit.v);
+    const auto interpolate = [&](const auto &values) { return values[t.x] * b.x + values[t.y] * b.y + values[t.z] * b.z; };
+
+    point.object = &object;
+    point.corners = t;
+    point.barycentrics = b;
+    point.position = interpolate(vertices.positions);
+    const Vec3 &p0 = vertices.positions[t.x];
+    Vec3 geometric = glm::cross(vertices.positions[t.y] - p0, vertices.positions[t.z] - p0);
+    const float doubleArea = glm::length(geometric);
+    geometric = doubleArea > 0 ? geometric / doubleArea : wo;
+    if (object.mirrored) geometric = -geometric;
+    point.front = glm::dot(geometric, wo) >= 0;
+    point.geometricNormal = point.front ? geometric : -geometric;
+
+    Vec3 normal = interpolate(vertices.normals);
+    const float normalLength = glm::length(normal);
+    normal = normalLength > 0 ? normal / normalLength : geometric;
+    const Vec4 tangent = interpolate(object.tangents);
+    point.frame = smoothFrameFromNormal(point.front ? normal : -normal);
+    const Vec2 projected(glm::dot(point.frame.s, Vec3(tangent)), glm::dot(point.frame.t, Vec3(tangent)));
+    const float projectedLength = glm::length(projected);
+    if (projectedLength > 0) point.tangent = projected / projectedLength;
+    // The sense of b0 is held against the outside; the frame follows the viewer's side.
+    const float sense = (tangent.w < 0) == point.front ? -1.0F : 1.0F;
+
+    if (!object.stretch.empty()) {
+        SymmetricTensor v;
+        const auto &stretch = object.stretch;
+        v.diagonal = stretch[t.x].diagonal * b.x + stretch[t.y].diagonal * b.y + stretch[t.z].diagonal * b.z;
+        v.offDiagonal = stretch[t.x].offDiagonal * b.x + stretch[t.y].offDiagonal * b.y + stretch[t.z].offDiagonal * b.z;
+        const Vec3 vs = v.times(point.frame.s);
+        point.stretch = {glm::dot(point.frame.s, vs), glm::dot(point.frame.t, vs), glm::dot(point.frame.t, v.times(point.frame.t))};
+    }
+    if (!surface.uvs.empty()) point.uv = interpolate(surface.uvs);
+
+    const Index slot = surface.triangleSlots.empty() ? 0 : surface.triangleSlots[hit.primitive];
+    const Object &source = *object.object;
+    const Index material = source.materials[std::min<std::size_t>(slot, source.materials.size() - 1)];
+    point.bsdf = makeBsdf(materials[material], scene.scene(), point, sense, point.baseColor);
+    if (source.emission.value != Vec3(0) && (point.front || source.emissionTwoSided))
+        point.emission = evaluate(source.emission, scene.scene(), point.uv);
+    return point;
+}
+
+} // namespace taut

@@ -1,0 +1,46 @@
+#pragma once
+/// From a hit to what scatters there: shading frame, M from the interpolated stretch, and the material's parameters.
+
+#include "taut/base/frame.h"
+#include "taut/bsdf/bsdf.h"
+#include "taut/render/render_scene.h"
+
+namespace taut {
+
+/// A surface point in render space, seen from one side.
+struct SurfacePoint {
+    Vec3 position;
+    Vec3 geometricNormal; ///< unit, towards the viewer
+    Frame frame;          ///< shading frame: a function of the shading normal alone, so that nothing sampled in it depends on how
+                          ///< the surface is parametrised; n on the geometric normal's side
+    Bsdf bsdf;
+    Vec2 uv{0};
+    bool front = true; ///< seen from the outside
+    Vec3 emission{0};  ///< radiance leaving towards the viewer
+    // For AOVs.
+    Vec3 stretch{1, 0, 1}; ///< V in the frame: ss, st, tt
+    Vec2 tangent{1, 0};    ///< R t0, the rotated tangent, in the frame; unit
+    Vec3 baseColor{0};
+    const RenderObject *object = nullptr;
+    Index3 corners{0};
+    Vec3 barycentrics{0};
+};
+
+/// Materials with what is worked out once.
+struct PreparedMaterial {
+    const Material *material = nullptr;
+    float coatEscape = 1; ///< coatEscape(ior)
+};
+std::vector<PreparedMaterial> prepareMaterials(const Scene &scene);
+
+/// Fills the point for a hit. `wo` is the unit direction back along the ray.
+SurfacePoint surfacePointAt(const RenderScene &scene, const std::vector<PreparedMaterial> &materials, const Hit &hit, const Vec3 &wo);
+
+/// `position` moved off the surface to the side of `normal`, far enough that a ray from there does not meet it again.
+inline Vec3 offsetOrigin(const Vec3 &position, const Vec3 &normal) {
+    // Render space has the camera at the origin: rounding of a position grows with its distance, and so does the step.
+    const float scale = std::fmax(std::fmax(std::fabs(position.x), std::fabs(position.y)), std::fabs(position.z));
+    return position + normal * std::fmax(4e-6F * scale, 1e-12F);
+}
+
+} // namespace taut

@@ -1,0 +1,67 @@
+#pragma once
+/// Environment light: a lat-long radiance map (or a constant) with importance sampling.
+///
+/// Environment space is world space turned about z by -rotation: z up. A unit direction w has, in map coordinates,
+/// u = 1/2 - atan2(w.y, w.x) / 2pi (left to right) and v = acos(w.z) / pi (top to bottom): the map's centre column looks
+/// along +x and its left half along +y, as in Blender.
+
+#include "taut/base/error.h"
+#include "taut/base/vec.h"
+
+#include <string>
+#include <vector>
+
+namespace taut {
+
+struct Environment {
+    int width = 1;
+    int height = 1;
+    std::vector<Vec3> texels{Vec3(1)}; ///< radiance, W / (m^2 sr); rows from the zenith (+z) down
+    double rotation = 0;               ///< about world z, radians
+    bool cameraVisible = true;
+    bool constant = true; ///< one texel: radiance is texels[0] everywhere, sampled uniformly
+
+    /// Importance sampling, filled by buildSampling(): alias tables by luminance * solid angle, one over the rows and one
+    /// over the columns within each row. (One table over all texels would leave a 24-bit random number too few bits for
+    /// the place within the texel.)
+    struct AliasEntry {
+        float threshold = 1; ///< keep the entry below it, take `other` above
+        Index other = 0;
+        float density = 1; ///< rows: P(row) / solid angle of one texel there, 1/sr; columns: P(column | row)
+    };
+    std::vector<AliasEntry> alias; ///< [height] rows, then [height][width] columns; empty where constant
+};
+
+struct EnvironmentSample {
+    Vec3 direction; ///< world space, unit, towards the environment
+    Vec3 radiance;
+    float pdf; ///< per steradian
+};
+
+/// A constant environment.
+Environment constantEnvironment(const Vec3 &radiance);
+
+/// Reads .exr or .hdr (any format of readTexture; 8-bit images count as sRGB) and multiplies by `scale`. Negative and not
+/// finite texels are errors.
+Environment readEnvironment(const std::string &path, double rotation, const Vec3 &scale);
+
+/// The built-in studio: soft boxes over a dim gradient, made here by formula.
+Environment studioEnvironment();
+
+/// Fills the sampling tables; called by the makers above. A map that is black throughout becomes a constant. Call it again
+/// after texels change.
+void buildSampling(Environment &environment);
+
+/// Radiance arriving from world direction `w` (unit, pointing away from the scene), bilinear between texel centres. The
+/// sampling density is piecewise constant over texels and positive wherever the bilinear radiance is.
+Vec3 radiance(const Environment &environment, const Vec3 &w);
+
+/// Solid-angle density with which sample() returns `w`.
+float samplePdf(const Environment &environment, const Vec3 &w);
+
+EnvironmentSample sample(const Environment &environment, const Vec2 &u);
+
+/// The mean radiance over the sphere, for choosing between lights.
+Vec3 meanRadiance(const Environment &environment);
+
+} // namespace taut

@@ -1,0 +1,51 @@
+#include "taut/scene/load_context.h"
+
+#include "taut/mesh/read_mesh.h"
+
+#include <filesystem>
+#include <fstream>
+
+namespace taut {
+
+namespace fs = std::filesystem;
+
+std::string resolvedPath(const LoadContext &context, const std::string &path) {
+    return (fs::path(context.folder) / path).lexically_normal().string();
+}
+
+std::string filePath(const LoadContext &context, const TomlValue &value) {
+    const std::string path = resolvedPath(context, toText(value));
+    const bool sane = value.text.find('\0') == std::string::npos && !value.text.empty();
+    std::error_code error;
+    const fs::file_status status = sane ? fs::status(path, error) : fs::file_status(fs::file_type::not_found);
+    if (!fs::exists(status))
+        failInput(value.where, quoted(value.text) + ", but there is no file " + (sane ? path : "of that name"), "an existing file");
+    if (!fs::is_regular_file(status)) failInput(value.where, quoted(value.text) + ", but " + path + " is not a file", "a file");
+    if (!std::ifstream(path, std::ios::binary))
+        failInput(value.where, quoted(value.text) + ", but " + path + " can't be opened", "a readable file");
+    return path;
+}
+
+std::shared_ptr<const GltfFile> gltfFile(LoadContext &context, const std::string &path) {
+    auto &file = context.gltfFiles[path];
+    if (!file) file = std::make_shared<const GltfFile>(readGltf(path, context.warnings));
+    return file;
+}
+
+std::shared_ptr<const Mesh> meshFile(LoadContext &context, const std::string &path) {
+    auto &mesh = context.meshes[path];
+    if (!mesh) mesh = std::make_shared<const Mesh>(readMesh(path, context.warnings));
+    return mesh;
+}
+
+std::string uniqueName(std::set<std::string> &taken, const std::string &name) {
+    std::string candidate = name;
+    for (int i = 2; !taken.insert(candidate).second; ++i) candidate = name + "_" + std::to_string(i);
+    return candidate;
+}
+
+double firstFrame(const Scene &scene) {
+    return scene.render.frames.front();
+}
+
+} // namespace taut

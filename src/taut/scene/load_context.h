@@ -1,0 +1,91 @@
+#pragma once
+/// What the parts of the scene loader share: the scene being built, and what has already been read. Internal to `scene/`.
+
+#include "taut/mesh/gltf.h"
+#include "taut/scene/scene.h"
+#include "taut/scene/table_reader.h"
+
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+
+namespace taut {
+
+struct LoadContext {
+    Scene scene;
+    Warnings &warnings;
+    std::string folder; ///< relative paths start here
+
+    // Every file is read once.
+    std::map<std::string, std::shared_ptr<const GltfFile>> gltfFiles{};
+    std::map<std::string, std::shared_ptr<const Mesh>> meshes{};
+    std::map<std::string, Index> textures{};  ///< by path and decoding
+    std::map<std::string, Index> materials{}; ///< [material.NAME] by name
+    std::map<std::pair<const GltfFile *, Index>, Index> gltfMaterials{};
+    std::set<std::string> objectNames{}; ///< of objects, and of glTF entries, whose objects are named entry/node
+    Index defaultMaterial = kNone;
+};
+
+/// The path a key names, relative to the scene file. Throws at the key where that is no readable file.
+std::string filePath(const LoadContext &context, const TomlValue &value);
+/// The same without the check, for patterns.
+std::string resolvedPath(const LoadContext &context, const std::string &path);
+
+std::shared_ptr<const GltfFile> gltfFile(LoadContext &context, const std::string &path);
+std::shared_ptr<const Mesh> meshFile(LoadContext &context, const std::string &path);
+
+/// `name`, or name_2, name_3 ... where it is taken.
+std::string uniqueName(std::set<std::string> &taken, const std::string &name);
+
+double firstFrame(const Scene &scene);
+
+// --- sections of a scene file ----------------------------------------------------------------------------------------
+void loadRender(const TomlValue &section, RenderSettings &render);
+/// [[light]]: appends a light, or makes objects emit.
+void loadLights(LoadContext &context, const TomlValue &section);
+void loadEnvironment(LoadContext &context, const TomlValue &section);
+/// [camera]; null: all defaults. Where it gives no position, look_at or gltf, the camera is `fallback`'s, else framed.
+void loadCamera(LoadContext &context, const TomlValue *section, const std::string &fallbackGltf);
+
+void loadMaterials(LoadContext &context, const TomlValue &section);
+/// Brushed steel, for what has no material.
+Index defaultMaterial(LoadContext &context);
+/// The scene material that a key names.
+Index namedMaterial(const LoadContext &context, const TomlValue &value);
+
+/// A number or texture. `unit` multiplies it (degrees to radians); a texture's scale defaults to `textureScale`.
+FloatParam toFloatParam(LoadContext &context, const TomlValue &value, const Range &range, double unit = 1, double textureScale = 1);
+/// A colour (three numbers or one grey) or texture.
+ColorParam toColorParam(LoadContext &context, const TomlValue &value, const Range &range);
+/// Adds a texture, or finds it where it was added before. `key` tells decodings apart.
+template <class Read> Index addTexture(LoadContext &context, const std::string &key, const Read &read) {
+    const auto found = context.textures.find(key);
+    if (found != context.textures.end()) return found->second;
+    context.scene.textures.push_back(read());
+    const Index index = static_cast<Index>(context.scene.textures.size() - 1);
+    context.textures.emplace(key, index);
+    return index;
+}
+
+/// [[mesh]]: appends its objects.
+void loadMeshes(LoadContext &context, const TomlValue &section);
+std::vector<DeformerKeys> loadDeformers(const TomlValue &section);
+/// translate, rotate_deg and scale of a [[mesh]] or [camera], and `up` for files that may be y up.
+Placement loadPlacement(TableReader &table, bool yUpByDefault);
+
+// --- glTF ------------------------------------------------------------------------------------------------------------
+/// Motion of a node: `clip` and `loop` of the table; the clip defaults to the file's first.
+GltfMotion loadGltfMotion(TableReader &table, std::shared_ptr<const GltfFile> file);
+/// Objects of every (node, primitive) of the file's scene, copies of `common` with their own name, mesh, materials and
+/// emission. `material` (may be null) is the entry's key. Throws at `where` where the file's scene holds no mesh.
+void addGltfObjects(LoadContext &context, const Object &common, const GltfMotion &motion, const TomlValue *material, const Location &where);
+/// KHR_lights_punctual lights where they are at the first frame.
+void addGltfLights(LoadContext &context, const GltfMotion &motion, const Placement &placement);
+/// The first perspective camera node of the file's scene; kNone where there is none.
+Index firstCameraNode(const GltfFile &file);
+
+/// A view from the front, a little to the right and above, of everything at the first frame.
+void frameCamera(const Scene &scene, Camera &camera);
+
+} // namespace taut

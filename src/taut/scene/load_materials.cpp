@@ -1,0 +1,189 @@
+#include "taut/bsdf/metals.h"
+#include "taut/scene/load_context.h"
+
+namespace taut {
+
+namespace {
+
+constexpr Range kAlpha{1e-4, 10, false};
+constexpr Range kIor{0.2, 10, false};
+constexpr Range kDegrees{-1e6, 1e6, false};
+
+bool isTexture(const TomlValue &value) {
+    return value.kind == TomlValue::Kind::Table;
+}
+
+struct TextureUse {
+    Index texture = kNone;
+    int channel = 0;
+    DVec3 scale{1};
+};
+
+/// { file, channel, color_space, scale, repeat }. `automatic` is what color_space = "auto" means here: a colour's 8-bit image
+/// is sRGB, a number's is not.
+TextureUse loadTexture(LoadContext &context, const TomlValue &value, ColorSpace automatic, double defaultScale) {
+    TableReader table(value, "of a texture", {"file", "channel", "color_space", "scale", "repeat"});
+    TextureUse use;
+    use.scale = DVec3(defaultScale);
+    ColorSpace space = automatic;
+    bool repeat = true;
+    table.read("channel", use.channel, oneOf<int>({{"r", 0}, {"g", 1}, {"b", 2}, {"a", 3}}));
+    table.read("color_space", space, oneOf<ColorSpace>({{"auto", automatic}, {"srgb", ColorSpace::Srgb}, {"linear", ColorSpace::Linear}}));
+    table.read("scale", use.scale, tripleIn(kAnyNumber));
+    table.read("repeat", repeat);
+    const std::string path = filePath(context, table.required("file", "file = \"image.png\""));
+    const std::string key = path + "|" + std::to_string(static_cast<int>(space)) + (repeat ? "|repeat" : "|clamp");
+    use.texture = addTexture(context, key, [&] {
+        Texture texture = readTexture(path, space);
+        texture.repeatU = texture.repeatV = repeat;
+        return texture;
+    });
+    return use;
+}
+
+void loadAlpha(LoadContext &context, const TomlValue &value, Material &material) {
+    if (value.kind == TomlValue::Kind::Array) {
+        const auto &pair = toArray(value, 2, "a number in [1e-4, 10], a pair of them, or a texture");
+        material.alphaX = toFloatParam(context, pair[0], kAlpha);
+        material.alphaY = toFloatParam(context, pair[1], kAlpha);
+    } else {
+        material.alphaX = material.alphaY = toFloatParam(context, value, kAlpha);
+    }
+}
+
+void loadMetal(const TomlValue &value, Material &material) {
+    std::vector<std::string_view> names;
+    for (const Metal &metal : metals()) {
+        names.push_back(metal.name);
+        if (metal.name != toText(value)) continue;
+        material.hasConductorIor = true;
+        material.conductorEta = metal.eta;
+        material.conductorK = metal.k;
+        return;
+    }
+    failUnknownName(value.where, value.text, names);
+}
+
+Multiscatter toMultiscatter(const TomlValue &value) {
+    const auto mode = toChoice<Multiscatter>(value, {{"auto", Multiscatter::Auto},
+                                                     {"off", Multiscatter::Off},
+                                                     {"compensation", Multiscatter::Compensation},
+                                                     {"walk", Multiscatter::Walk}});
+    if (mode == Multiscatter::Compensation || mode == Multiscatter::Walk)
+        failInput(value.where, quoted(value.text) + ", which this version does not have yet", "'off' or 'auto'");
+    return mode;
+}
+
+/// Keys of the rough lobes: everything but diffuse.
+void readMicrosurface(LoadContext &context, TableReader &table, Material &material) {
+    if (const TomlValue *alpha = table.find("alpha")) loadAlpha(context, *alpha, material);
+    table.read("rotation_deg", material.rotation, [&](const TomlValue &v) { return toFloatParam(context, v, kDegrees, radians(1), 360); });
+    table.read("masking", material.masking, oneOf<Masking>({{"correlated", Masking::Correlated}, {"separable", Masking::Separable}}));
+    table.read("multiscatter", material.multiscatter, toMultiscatter);
+    table.read("poisson", material.poisson, numberIn({0, 0.5, false}));
+}
+
+void readMetallicRoughness(LoadContext &context, TableReader &table, Material &material) {
+    table.exclusive("alpha", "roughness");
+    table.read("metallic", material.metallic, [&](const TomlValue &v) { return toFloatParam(context, v, kUnitInterval); });
+    if (const TomlValue *roughness = table.find("roughness")) {
+        material.alphaX = material.alphaY = toFloatParam(context, *roughness, kUnitInterval);
+        material.alphaIsRoughness = true;
+    }
+    const TomlValue *anisotropy = table.find("anisotropy");
+    if (anisotropy == nullptr) return;
+    const FloatParam strength = toFloatParam(context, *anisotropy, kUnitInterval);
+    material.anisotropyStrength = strength.value;
+    material.anisotropyTexture = strength.texture;
+}
+
+Material loadMaterial(LoadContext &context, const std::string &name, const TomlValue &value) {
+    TableReader table(value, "[material." + name + "]",
+                      {"type", "metal", "f0", "color", "alpha", "rotation_deg", "ior", "metallic", "roughness", "anisotropy", "poisson",
+                       "masking", "multiscatter"});
+    Material material;
+    material.name = name;
+    table.read("type", material.type,
+               oneOf<MaterialType>({{"conductor", MaterialType::Conductor},
+                                    {"dielectric", MaterialType::Dielectric},
+                                    {"diffuse", MaterialType::Diffuse},
+                                    {"coated", MaterialType::Coated},
+                                    {"metallic_roughness", MaterialType::MetallicRoughness}}));
+    const auto color = [&](const TomlValue &v) { return toColorParam(context, v, kUnitInterval); };
+    if (material.type == MaterialType::Conductor) {
+        table.exclusive("metal", "f0");
+        if (const TomlValue *metal = table.find("metal")) loadMetal(*metal, material);
+        table.read("f0", material.color, color);
+    } else {
+        table.read("color", material.color, color);
+        if (material.type != MaterialType::Diffuse) table.read("ior", material.ior, numberIn(kIor));
+    }
+    if (material.type != MaterialType::Diffuse) readMicrosurface(context, table, material);
+    if (material.type == MaterialType::MetallicRoughness) readMetallicRoughness(context, table, material);
+    table.finish();
+    return material;
+}
+
+} // namespace
+
+FloatParam toFloatParam(LoadContext &context, const TomlValue &value, const Range &range, double unit, double textureScale) {
+    FloatParam param;
+    if (isTexture(value)) {
+        const TextureUse use = loadTexture(context, value, ColorSpace::Linear, textureScale);
+        param = {static_cast<float>(use.scale.x * unit), use.texture, use.channel};
+        if (use.scale.x != use.scale.y || use.scale.x != use.scale.z)
+            failInput(value.find("scale")->where, "three scales", "one number here");
+    } else {
+        param.value = static_cast<float>(toNumber(value, range) * unit);
+    }
+    return param;
+}
+
+ColorParam toColorParam(LoadContext &context, const TomlValue &value, const Range &range) {
+    ColorParam param;
+    if (isTexture(value)) {
+        const TextureUse use = loadTexture(context, value, ColorSpace::Auto, 1);
+        if (const TomlValue *channel = value.find("channel"))
+            failInput(channel->where, "a channel of a colour", "a texture without 'channel' here");
+        param = {Vec3(use.scale), use.texture};
+    } else {
+        param.value = Vec3(toTriple(value, range));
+    }
+    return param;
+}
+
+void loadMaterials(LoadContext &context, const TomlValue &section) {
+    if (section.kind != TomlValue::Kind::Table) failInput(section.where, describe(section), "tables [material.NAME]");
+    for (const TomlEntry &entry : section.entries) {
+        context.scene.materials.push_back(loadMaterial(context, entry.key, entry.value));
+        context.materials.emplace(entry.key, static_cast<Index>(context.scene.materials.size() - 1));
+    }
+}
+
+Index defaultMaterial(LoadContext &context) {
+    if (context.defaultMaterial != kNone) return context.defaultMaterial;
+    Material steel;
+    steel.name = "default";
+    steel.type = MaterialType::Conductor;
+    for (const Metal &metal : metals()) {
+        if (metal.name != "Fe") continue;
+        steel.hasConductorIor = true;
+        steel.conductorEta = metal.eta;
+        steel.conductorK = metal.k;
+    }
+    steel.alphaX.value = 0.08F;
+    steel.alphaY.value = 0.3F;
+    context.scene.materials.push_back(steel);
+    return context.defaultMaterial = static_cast<Index>(context.scene.materials.size() - 1);
+}
+
+Index namedMaterial(const LoadContext &context, const TomlValue &value) {
+    const auto found = context.materials.find(toText(value));
+    if (found != context.materials.end()) return found->second;
+    if (context.materials.empty()) failInput(value.where, quoted(value.text), "the name of a material, but there is no [material.NAME]");
+    std::vector<std::string_view> names;
+    for (const auto &[name, index] : context.materials) names.push_back(name);
+    failUnknownName(value.where, value.text, names);
+}
+
+} // namespace taut

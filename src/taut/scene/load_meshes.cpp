@@ -1,0 +1,157 @@
+/// [[mesh]] entries: single meshes, numbered sequences and glTF files.
+
+#include "taut/base/frame_set.h"
+#include "taut/mesh/read_mesh.h"
+#include "taut/scene/load_context.h"
+
+#include <algorithm>
+#include <charconv>
+#include <filesystem>
+
+namespace taut {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// "bind" or "frame N".
+RestState toRest(const TomlValue &value) {
+    constexpr std::string_view kFrame = "frame ";
+    const std::string &text = toText(value);
+    if (text == "bind") return {};
+    RestState rest{false, 0};
+    const char *end = text.data() + text.size();
+    const bool hasNumber = text.compare(0, kFrame.size(), kFrame) == 0;
+    const auto [stop, error] = hasNumber ? std::from_chars(text.data() + kFrame.size(), end, rest.frame)
+                                         : std::from_chars_result{end, std::errc::invalid_argument};
+    if (error != std::errc() || stop != end || !(std::fabs(rest.frame) <= 1e9)) failInput(value.where, quoted(text), "'bind' or 'frame N'");
+    return rest;
+}
+
+/// Frame numbers of the files on disk that a pattern names, increasing.
+std::vector<int> framesOnDisk(const std::string &pattern) {
+    const std::string name = fs::path(pattern).filename().string();
+    const fs::path folder = fs::path(pattern).parent_path();
+    std::vector<int> frames;
+    std::error_code error;
+    for (fs::directory_iterator it(folder.empty() ? fs::path(".") : folder, error), end; !error && it != end; it.increment(error)) {
+        const std::string candidate = it->path().filename().string();
+        // Any run of digits may be the number; the pattern, filled in with it, decides.
+        for (std::size_t i = 0; i < candidate.size(); ++i) {
+            const bool startsRun = std::isdigit(static_cast<unsigned char>(candidate[i])) != 0 &&
+                                   (i == 0 || std::isdigit(static_cast<unsigned char>(candidate[i - 1])) == 0);
+            int frame = 0;
+            if (!startsRun || std::from_chars(candidate.data() + i, candidate.data() + candidate.size(), frame).ec != std::errc()) continue;
+            if (pathOfFrame(name, frame) != candidate) continue;
+            frames.push_back(frame);
+            break;
+        }
+    }
+    std::sort(frames.begin(), frames.end());
+    return frames;
+}
+
+/// The name of an entry that has none: the file's stem without a frame pattern.
+std::string stemOf(const std::string &path) {
+    std::string stem = fs::path(hasFramePattern(path) ? pathOfFrame(path, 0) : path).stem().string();
+    if (hasFramePattern(path)) stem = stem.substr(0, stem.find_last_not_of("0123456789") + 1);
+    while (stem.size() > 1 && (stem.back() == '.' || stem.back() == '_' || stem.back() == '-')) stem.pop_back();
+    return stem.empty() ? "mesh" : stem;
+}
+
+/// Scene materials by the file's material slots.
+std::vector<Index> slotMaterials(LoadContext &context, const Mesh &mesh, const std::string &name, const TomlValue *material) {
+    const std::size_t count = std::max<std::size_t>(1, mesh.materialNames.size());
+    if (material == nullptr) return std::vector<Index>(count, defaultMaterial(context));
+    if (material->kind != TomlValue::Kind::Table) return std::vector<Index>(count, namedMaterial(context, *material));
+    const std::vector<std::string_view> slots(mesh.materialNames.begin(), mesh.materialNames.end());
+    if (slots.empty()) failInput(material->where, "a table of materials for a file that names none", "the name of one material");
+    for (const TomlEntry &entry : material->entries)
+        if (std::find(slots.begin(), slots.end(), entry.key) == slots.end()) failUnknownName(entry.where, entry.key, slots);
+    std::vector<Index> materials;
+    for (const std::string &slot : mesh.materialNames) {
+        const TomlValue *chosen = material->find(slot);
+        if (chosen == nullptr)
+            context.warnings.add("mesh " + quoted(name) + ": no material is given for " + quoted(slot) + "; the default is used");
+        materials.push_back(chosen != nullptr ? namedMaterial(context, *chosen) : defaultMaterial(context));
+    }
+    return materials;
+}
+
+void addGltf(LoadContext &context, TableReader &table, const TomlValue &file, Object common) {
+    const GltfMotion motion = loadGltfMotion(table, gltfFile(context, filePath(context, file)));
+    const TomlValue *material = table.find("material");
+    bool lights = true;
+    table.read("lights", lights);
+    table.finish();
+    if (lights) addGltfLights(context, motion, common.placement);
+    addGltfObjects(context, common, motion, material, file.where);
+}
+
+void addMesh(LoadContext &context, TableReader &table, const TomlValue &file, Object object) {
+    if (!isMeshPath(file.text)) failInput(file.where, quoted(file.text), "a file ending in .obj, .ply, .off, .stl, .glb or .gltf");
+    std::string path;
+    if (hasFramePattern(file.text)) {
+        SequenceMotion sequence;
+        sequence.pattern = resolvedPath(context, file.text);
+        sequence.frames = framesOnDisk(sequence.pattern);
+        if (sequence.frames.empty())
+            failInput(file.where, quoted(file.text) + ", but there is no such file as " + pathOfFrame(sequence.pattern, 1),
+                      "a numbered sequence of meshes");
+        sequence.firstFrame = sequence.frames.front();
+        path = pathOfFrame(sequence.pattern, sequence.firstFrame);
+        object.sequence = std::move(sequence);
+    } else {
+        path = filePath(context, file);
+    }
+    const TomlValue *material = table.find("material");
+    table.finish();
+    object.mesh = meshFile(context, path);
+    object.name = uniqueName(context.objectNames, object.name);
+    object.materials = slotMaterials(context, *object.mesh, object.name, material);
+    context.scene.objects.push_back(std::move(object));
+}
+
+} // namespace
+
+Placement loadPlacement(TableReader &table, bool yUpByDefault) {
+    Placement placement;
+    table.read("translate", placement.translation, keyedVec3In());
+    table.read("rotate_deg", placement.rotation, keyedVec3In({-1e6, 1e6, false}, radians(1)));
+    if (const TomlValue *scale = table.find("scale")) {
+        placement.scale = toKeyedTriple(*scale, kAnyNumber);
+        for (const auto &key : placement.scale.keys)
+            if (key.second.x == 0 || key.second.y == 0 || key.second.z == 0)
+                failInput(scale->where, "a scale of 0", "scales that are not 0");
+    }
+    bool yUp = yUpByDefault;
+    table.read("up", yUp, oneOf<bool>({{"z", false}, {"y", true}}));
+    // (x, y, z) -> (x, -z, y): a quarter turn about x.
+    if (yUp) placement.worldFromUp = DMat4(1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1);
+    return placement;
+}
+
+void loadMeshes(LoadContext &context, const TomlValue &section) {
+    if (section.kind != TomlValue::Kind::Array) failInput(section.where, describe(section), "tables [[mesh]]");
+    for (const TomlValue &entry : section.items) {
+        TableReader table(entry, "[[mesh]]",
+                          {"file", "name", "material", "subdivision", "smooth", "follow", "rest", "translate", "rotate_deg", "scale", "up",
+                           "clip", "loop", "lights", "deform"});
+        const TomlValue &file = table.required("file", "file = \"mesh.obj\"");
+        Object object;
+        object.name = stemOf(toText(file));
+        table.read("name", object.name);
+        table.read("subdivision", object.subdivision, integerIn(0, 5));
+        table.read("smooth", object.smooth);
+        table.read("follow", object.follow);
+        table.read("rest", object.rest, toRest);
+        if (const TomlValue *deform = table.find("deform")) object.deformers = loadDeformers(*deform);
+        object.placement = loadPlacement(table, isGltfPath(file.text));
+        if (isGltfPath(file.text))
+            addGltf(context, table, file, std::move(object));
+        else
+            addMesh(context, table, file, std::move(object));
+    }
+}
+
+} // namespace taut

@@ -1,0 +1,68 @@
+#include "taut/scene/load_scene.h"
+
+#include "taut/mesh/file_bytes.h"
+#include "taut/mesh/read_mesh.h"
+#include "taut/scene/load_context.h"
+
+#include <algorithm>
+#include <filesystem>
+
+namespace taut {
+
+namespace {
+
+TomlValue textValue(const std::string &text, const Location &where) {
+    TomlValue value;
+    value.kind = TomlValue::Kind::String;
+    value.where = where;
+    value.text = text;
+    return value;
+}
+
+/// The scene file that a bare mesh or glTF stands for: one [[mesh]] with its file.
+TomlValue bareScene(const std::string &path) {
+    const Location where{path, 0, 0, -1};
+    TomlValue mesh;
+    mesh.where = where;
+    mesh.entries.push_back({"file", where, textValue(std::filesystem::path(path).filename().string(), where)});
+    TomlValue meshes;
+    meshes.kind = TomlValue::Kind::Array;
+    meshes.where = where;
+    meshes.items.push_back(std::move(mesh));
+    TomlValue root;
+    root.where = where;
+    root.entries.push_back({"mesh", where, std::move(meshes)});
+    return root;
+}
+
+TomlValue readRoot(const std::string &path) {
+    if (lowerExtension(path) == "toml") return readToml(path);
+    if (isGltfPath(path) || isMeshPath(path)) return bareScene(path);
+    failInput({path, 0, 0, -1}, "a file of unknown kind", "a scene .toml, a .glb or .gltf, or a mesh .obj, .ply, .off or .stl");
+}
+
+bool isLit(const Scene &scene) {
+    return scene.environment || !scene.lights.empty() ||
+           std::any_of(scene.objects.begin(), scene.objects.end(), [](const Object &object) { return object.emission.value != Vec3(0); });
+}
+
+} // namespace
+
+Scene loadScene(const std::string &path, const std::vector<std::string> &overrides, Warnings &warnings) {
+    TomlValue root = readRoot(path);
+    for (const std::string &text : overrides) applyOverride(root, text);
+
+    LoadContext context{.scene = {}, .warnings = warnings, .folder = std::filesystem::path(path).parent_path().string()};
+    context.scene.path = path;
+    TableReader table(root, "with the sections of a scene", {"render", "camera", "environment", "light", "material", "mesh"});
+    if (const TomlValue *section = table.find("render")) loadRender(*section, context.scene.render);
+    if (const TomlValue *section = table.find("material")) loadMaterials(context, *section);
+    if (const TomlValue *section = table.find("mesh")) loadMeshes(context, *section);
+    if (const TomlValue *section = table.find("light")) loadLights(context, *section);
+    if (const TomlValue *section = table.find("environment")) loadEnvironment(context, *section);
+    if (!isLit(context.scene)) context.scene.environment = studioEnvironment();
+    loadCamera(context, table.find("camera"), isGltfPath(path) ? path : "");
+    return std::move(context.scene);
+}
+
+} // namespace taut

@@ -1,0 +1,19 @@
+#pragma once
+/// From a path to a Scene: a scene TOML, a .glb / .gltf, or a bare mesh. Every key is documented in docs/scene.md.
+
+#include "taut/base/error.h"
+#include "taut/scene/scene.h"
+
+#include <string>
+#include <vector>
+
+namespace taut {
+
+/// Reads a scene. `overrides` are "key.path=value" (TOML values, e.g. render.width=320, mesh.0.follow=false,
+/// material.brushed.alpha=[0.1,0.3]) applied on top of the file. A .glb/.gltf or a mesh is read as a scene whose only entry
+/// is that [[mesh]]: its own camera and lights where it has them, else a framed camera and the built-in studio.
+/// Throws InputError for anything malformed: unknown keys (with the nearest valid one), wrong types, values out of range,
+/// missing files, in the TOML or in any file that it names.
+Scene loadScene(const std::string &path, const std::vector<std::string> &overrides, Warnings &warnings);
+
+} // namespace taut

@@ -1,0 +1,170 @@
+#pragma once
+/// A scene as plain data: what a scene file, a .glb or a bare mesh says, checked, with every default filled in.
+///
+/// World space: right-handed, z up, metres. Time: frame f is at (f - 1) / fps seconds; frame numbers may be fractional.
+
+#include "taut/deform/deformer.h"
+#include "taut/deform/keyed.h"
+#include "taut/mesh/gltf.h"
+#include "taut/mesh/mesh.h"
+#include "taut/scene/environment.h"
+#include "taut/scene/texture.h"
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace taut {
+
+/// A number or one channel of a texture times that number.
+struct FloatParam {
+    float value = 0;
+    Index texture = kNone; ///< into Scene::textures
+    int channel = 0;
+};
+
+/// A linear RGB colour or a texture times that colour.
+struct ColorParam {
+    Vec3 value{1};
+    Index texture = kNone;
+};
+
+enum class MaterialType { Conductor, Dielectric, Diffuse, Coated, MetallicRoughness };
+enum class Masking { Correlated, Separable };
+enum class Multiscatter { Off, Compensation, Walk, Auto };
+
+/// alpha is GGX alpha (slope scale), never its square root. alphaX is along the tangent (dP/du), alphaY across.
+struct Material {
+    std::string name;
+    MaterialType type = MaterialType::Diffuse;
+    ColorParam color;             ///< diffuse and coated: albedo; conductor with f0: F0; dielectric: transmission tint;
+                                  ///< metallic-roughness: base colour
+    bool hasConductorIor = false; ///< conductor: eta + i k below, else Schlick with F0 = color
+    Vec3 conductorEta{1};
+    Vec3 conductorK{0};
+    FloatParam alphaX{0.1F};
+    FloatParam alphaY{0.1F};
+    bool alphaIsRoughness = false; ///< the parameters above are glTF roughness: alpha = (value * texture)^2
+    FloatParam rotation;           ///< radians, counter-clockwise from the tangent
+    float ior = 1.5F;              ///< dielectric, coated, metallic-roughness
+    FloatParam metallic;           ///< metallic-roughness only
+    float anisotropyStrength = 0;  ///< KHR_materials_anisotropy: alpha along the direction = mix(alpha, 1, strength^2)
+    Index anisotropyTexture = kNone;
+    float poisson = 0; ///< [-1, 0.5]: lambda = det(A)^(-nu/(1-nu)); -1: the normal stretches as the surface does
+    Masking masking = Masking::Correlated;
+    Multiscatter multiscatter = Multiscatter::Auto;
+};
+
+/// Placement of an object: world = T * R * S applied to the object's space. Keyed over frames. `R` is XYZ Euler angles
+/// (x first), radians. A constant placement changes no alpha; a keyed scale counts relative to its first key.
+struct Placement {
+    Keyed<DVec3> translation{DVec3(0)};
+    Keyed<DVec3> rotation{DVec3(0)};
+    Keyed<DVec3> scale{DVec3(1)};
+    DMat4 worldFromUp{1}; ///< constant: turns a y-up file to z up
+};
+
+DMat4 placementAt(const Placement &placement, double frame);
+/// Linear part of the placement with its keyed scale at the first key: what carries the rest state.
+DMat3 placementRest(const Placement &placement);
+
+/// What moves an object's points before its deformers.
+struct GltfMotion {
+    std::shared_ptr<const GltfFile> file;
+    Index node = kNone; ///< the node that holds the mesh
+    Index clip = kNone; ///< into file->clips; kNone: nodes as stored
+    bool loop = false;  ///< repeat the clip; false: hold its ends
+};
+/// Time on the motion's clip at a frame, seconds: (frame - 1) / fps, wrapped into the clip where it loops.
+double clipTime(const GltfMotion &motion, double frame, double fps);
+
+struct SequenceMotion {
+    std::string pattern;     ///< path with #### or %0Nd
+    int firstFrame = 1;      ///< of the files found on disk, contiguous or not
+    std::vector<int> frames; ///< the files found, increasing; between them positions are interpolated linearly
+};
+
+struct RestState {
+    bool bind = true; ///< undeformed mesh or bind pose; else the shape at `frame`
+    double frame = 0;
+};
+
+/// One mesh with its materials and motion.
+struct Object {
+    std::string name;
+    std::shared_ptr<const Mesh> mesh;
+    std::vector<Index> materials; ///< [max(1, mesh->materialNames)], into Scene::materials, by face material slot
+    std::optional<GltfMotion> gltf;
+    std::optional<SequenceMotion> sequence;
+    std::vector<DeformerKeys> deformers; ///< in the object's space, before the placement (glTF: in the file's scene space)
+    Placement placement;
+    int subdivision = 0; ///< 0-5 uniform levels
+    bool smooth = true;  ///< without file normals: smooth normals; false: faceted
+    bool follow = true;  ///< false: roughness held fixed on the deformed tangent frame
+    RestState rest;
+    ColorParam emission{Vec3(0)}; ///< radiance of the outward side, W / (m^2 sr); non-zero makes the object a light
+    bool emissionTwoSided = false;
+};
+
+enum class LightType { Quad, Sphere, Directional, Point, Spot };
+
+/// A light that is not a mesh (mesh lights are objects with emission). World space.
+struct Light {
+    LightType type = LightType::Quad;
+    Vec3 radiance{1}; ///< quad, sphere: radiance; directional: irradiance on a facing plane; point, spot: intensity
+    DVec3 corner{0};  ///< quad: corner; sphere, point, spot: centre
+    DVec3 u{1, 0, 0}; ///< quad edges; it shines on the side of cross(u, v)
+    DVec3 v{0, 1, 0};
+    double radius = 0.1;       ///< sphere
+    DVec3 direction{0, 0, -1}; ///< directional, spot: the way the light travels, unit
+    double innerAngle = 0;     ///< spot, half angles, radians
+    double outerAngle = 0.785398;
+    bool cameraVisible = false; ///< quad, sphere: seen directly by camera rays
+    bool twoSided = false;      ///< quad
+};
+
+/// Thin lens camera; aperture radius 0 is a pinhole. Looks along its local -z, y up.
+struct Camera {
+    Keyed<DVec3> position{DVec3(0, -3, 0)};
+    Keyed<DVec3> lookAt{DVec3(0)};
+    Keyed<DVec3> up{DVec3(0, 0, 1)};
+    Keyed<double> fovY{0.69813};       ///< vertical, radians
+    Keyed<double> apertureRadius{0.0}; ///< metres
+    Keyed<double> focusDistance{0.0};  ///< metres; 0: the distance to look_at
+    std::optional<GltfMotion> gltf;    ///< a camera node of a glTF file, placed by `placement`; replaces position/lookAt/up
+    Placement placement;
+};
+
+struct CameraState {
+    DMat4 worldFromCamera{1}; ///< orthonormal columns and a translation
+    double fovY = 0.7;
+    double apertureRadius = 0;
+    double focusDistance = 1;
+};
+CameraState cameraAtFrame(const Camera &camera, double frame, double fps);
+
+struct RenderSettings {
+    int width = 960;
+    int height = 540;
+    int spp = 64;
+    int maxEvents = 8; ///< scattering events on a path
+    std::vector<int> frames{1};
+    double fps = 24;
+    std::uint32_t seed = 0;
+    bool fixedSeed = false;
+    bool boxFilter = false; ///< false: Blackman-Harris of radius 1.5 pixels, importance sampled
+};
+
+struct Scene {
+    std::string path;
+    RenderSettings render;
+    Camera camera;
+    std::optional<Environment> environment;
+    std::vector<Light> lights;
+    std::vector<Material> materials;
+    std::vector<Texture> textures;
+    std::vector<Object> objects;
+};
+
+} // namespace taut

@@ -1,0 +1,88 @@
+/// The built-in environment: a photographer's studio for metal, by formula. Large soft boxes give long clean highlights whose
+/// width shows the roughness; dark gaps between them give the reflections contrast; a warm floor and cool walls tell up
+/// from down. The camera is taken to stand towards -y, so the key is over its left shoulder and the rim behind the object.
+
+#include "taut/scene/environment.h"
+
+#include "taut/base/parallel.h"
+
+namespace taut {
+
+namespace {
+
+constexpr int kWidth = 512;
+constexpr int kHeight = 256;
+
+/// A rectangle far away, seen from the origin.
+struct SoftBox {
+    Vec3 towards;    ///< its centre
+    Vec3 across;     ///< roughly along its width
+    float halfWidth; ///< tangents of the half angles
+    float halfHeight;
+    float edge; ///< width of the soft edge, same unit
+    Vec3 radiance;
+};
+
+float smoothStep(float x) {
+    const float t = glm::clamp(x, 0.0F, 1.0F);
+    return t * t * (3 - 2 * t);
+}
+
+/// 1 inside the box, 0 outside, smooth between; a little brighter at the centre, as lit cloth is.
+float coverage(const SoftBox &box, const Vec3 &w) {
+    const Vec3 n = glm::normalize(box.towards);
+    const Vec3 s = glm::normalize(box.across - n * glm::dot(box.across, n));
+    const float depth = glm::dot(w, n);
+    if (depth <= 0.05F) return 0;
+    const float x = std::fabs(glm::dot(w, s)) / depth;
+    const float y = std::fabs(glm::dot(w, glm::cross(n, s))) / depth;
+    const float inside = smoothStep((box.halfWidth - x) / box.edge) * smoothStep((box.halfHeight - y) / box.edge);
+    return inside * (1 - 0.3F * sqr(x / box.halfWidth)) * (1 - 0.2F * sqr(y / box.halfHeight));
+}
+
+const SoftBox kBoxes[] = {
+    // key: a long strip overhead and to the left
+    {Vec3(-0.75F, -0.45F, 1.0F), Vec3(0.5F, -1, 0), 0.95F, 0.34F, 0.10F, Vec3(12.0F, 11.6F, 11.0F)},
+    // rim: upright, behind to the right
+    {Vec3(0.8F, 0.9F, 0.35F), Vec3(1, -0.9F, 0), 0.20F, 0.75F, 0.08F, Vec3(7.5F, 8.0F, 8.8F)},
+    // fill: large and weak, right of the camera
+    {Vec3(1.0F, -0.75F, 0.30F), Vec3(0.75F, 1, 0), 0.45F, 0.60F, 0.30F, Vec3(1.5F, 1.6F, 1.75F)},
+    // kicker: a thin strip low behind to the left
+    {Vec3(-1.0F, 0.8F, 0.12F), Vec3(0.8F, 1, 0), 0.08F, 0.50F, 0.05F, Vec3(4.2F, 4.0F, 3.7F)},
+};
+
+/// Walls, ceiling and the floor that sends some of the key back.
+Vec3 room(const Vec3 &w) {
+    const Vec3 wall(0.085F, 0.10F, 0.125F);
+    const Vec3 ceiling(0.05F, 0.055F, 0.065F);
+    const Vec3 floorFar(0.16F, 0.155F, 0.15F);
+    const Vec3 floorNear(0.42F, 0.39F, 0.35F);
+    const Vec3 above = glm::mix(wall, ceiling, smoothStep(w.z * 1.6F));
+    const float pool = 0.65F + 0.35F * glm::dot(Vec2(w.x, w.y), Vec2(-0.6F, -0.5F)); // brighter under the key
+    const Vec3 below = glm::mix(floorFar, floorNear, smoothStep(-w.z)) * pool;
+    return glm::mix(below, above, smoothStep(w.z / 0.12F + 0.5F));
+}
+
+} // namespace
+
+Environment studioEnvironment() {
+    Environment e;
+    e.width = kWidth;
+    e.height = kHeight;
+    e.constant = false;
+    e.texels.resize(std::size_t{kWidth} * kHeight);
+    parallelFor(kHeight, 16, [&](std::size_t row) {
+        const float theta = kPi * (static_cast<float>(row) + 0.5F) / kHeight;
+        for (int column = 0; column < kWidth; ++column) {
+            const float azimuth = 2 * kPi * (0.5F - (static_cast<float>(column) + 0.5F) / kWidth);
+            const Vec3 w(std::sin(theta) * std::cos(azimuth), std::sin(theta) * std::sin(azimuth), std::cos(theta));
+            Vec3 sum = glm::max(room(w), Vec3(0.05F));
+            for (const SoftBox &box : kBoxes) sum = glm::mix(sum, box.radiance, coverage(box, w));
+            e.texels[row * kWidth + static_cast<std::size_t>(column)] = sum;
+        }
+    });
+    buildSampling(e);
+    return e;
+}
+
+} // namespace taut

@@ -1,0 +1,28 @@
+#pragma once
+/// Real meshes and animations that lie beside a checkout, where there are any. A test that wants one and finds none says so
+/// in one line and passes.
+
+#include <catch2/catch.hpp>
+
+#include <filesystem>
+#include <iostream>
+#include <optional>
+#include <string>
+
+namespace taut::test {
+
+inline std::optional<std::string> asset(const std::string &name) {
+    const std::filesystem::path path = std::filesystem::path(TAUT_ASSETS) / name;
+    if (std::filesystem::exists(path)) return path.string();
+    std::cout << "SKIPPED: asset " << name << " is not on this machine" << std::endl;
+    return std::nullopt;
+}
+
+/// A folder for what a test writes; made on first use.
+inline std::string outputFolder(const std::string &name) {
+    const std::filesystem::path path = std::filesystem::path(TAUT_TEST_OUTPUT) / name;
+    std::filesystem::create_directories(path);
+    return path.string();
+}
+
+} // namespace taut::test

@@ -1,0 +1,309 @@
+/// The transformed GGX against closed forms and double-precision quadrature.
+
+#include "statistics.h"
+
+#include "taut/base/frame.h"
+#include "taut/base/sobol.h"
+#include "taut/bsdf/bsdf.h"
+
+#include <catch2/catch.hpp>
+
+#include <random>
+
+using namespace taut;
+
+namespace {
+
+struct Named {
+    const char *name;
+    MicroTransform m;
+};
+
+std::vector<Named> upright() {
+    return {{"alpha 0.3", microTransformFromAlpha(0.3F, 0.3F)},
+            {"alpha 1", microTransformFromAlpha(1, 1)},
+            {"anisotropic, turned", microTransformFromAlpha(0.15F, 0.6F, 0.7F)},
+            {"squashed", microTransformFromAlpha(2, 1.5F)},
+            {"sheared", microTransform(1, 2, 0, 1)},
+            {"plate two / 5", microTransform(2, 4, 0, 2)},
+            {"det < 0", microTransform(1, 2, 1.5F, -0.5F)}};
+}
+
+Vec3 direction(double thetaDegrees, double phiDegrees) {
+    const double t = radians(thetaDegrees);
+    const double p = radians(phiDegrees);
+    return {static_cast<float>(std::sin(t) * std::cos(p)), static_cast<float>(std::sin(t) * std::sin(p)), static_cast<float>(std::cos(t))};
+}
+
+/// Integral over the upper (or whole) sphere by the midpoint rule in (z, phi) after z = 1 - s^2, which crowds nodes at the pole.
+template <class F> double integrate(const F &f, bool wholeSphere, int n = 700) {
+    double sum = 0;
+    const double span = wholeSphere ? std::sqrt(2.0) : 1.0;
+    for (int i = 0; i < n; ++i) {
+        const double s = span * (i + 0.5) / n;
+        const double z = 1 - s * s;
+        const double r = std::sqrt(std::max(0.0, 1 - z * z));
+        for (int j = 0; j < n; ++j) {
+            const double phi = 2 * 3.141592653589793 * (j + 0.5) / n;
+            sum += 2 * s * static_cast<double>(f(Vec3(r * std::cos(phi), r * std::sin(phi), z)));
+        }
+    }
+    return sum * span / n * 2 * 3.141592653589793 / n;
+}
+
+Bsdf conductor(const MicroTransform &m, bool correlated = true) {
+    Bsdf bsdf;
+    bsdf.type = BsdfType::SchlickConductor;
+    bsdf.f0 = Vec3(1);
+    bsdf.micro = m;
+    bsdf.correlated = correlated;
+    return bsdf;
+}
+
+} // namespace
+
+TEST_CASE("The talk's plates and other closed values", "[microsurface]") {
+    const MicroTransform sheared = microTransform(10, 20, 0, 10);
+    CHECK(ggx::distribution(sheared, glm::normalize(Vec3(0.1F, 0, 1))) == Approx(0.9019664).epsilon(2e-6));
+    CHECK(ggx::distribution(sheared, glm::normalize(Vec3(0, 0.1F, 1))) == Approx(8.1176979).epsilon(2e-6));
+    CHECK(ggx::distribution(sheared, glm::normalize(Vec3(0.1F, -0.1F, 1))) == Approx(3.6796623).epsilon(2e-6));
+    CHECK(ggx::distribution(microTransform(10, 0, 0, 30), Vec3(0, 0, 1)) == Approx(95.4930).epsilon(1e-6));
+    CHECK(ggx::distribution(sheared, Vec3(0, 0, 1)) == Approx(31.8310).epsilon(1e-6));
+    CHECK(ggx::distribution(microTransform(30, 0, 0, 10), Vec3(0, 0, 1)) == Approx(95.4930).epsilon(1e-6));
+    CHECK(ggx::masking(sheared, Vec3(0.6F, 0, 0.8F)) == Approx(0.9985977).epsilon(1e-6));
+    CHECK(ggx::masking(sheared, Vec3(0, 0.6F, 0.8F)) == Approx(0.9930659).epsilon(1e-6));
+}
+
+TEST_CASE("The canonical form keeps M M^T and the equivalent alphas", "[microsurface]") {
+    std::mt19937 random(7);
+    std::uniform_real_distribution<float> entry(-3, 3);
+    for (int i = 0; i < 1000; ++i) {
+        const float a = entry(random);
+        const float b = entry(random);
+        const float c = entry(random);
+        const float d = entry(random);
+        const MicroTransform m = microTransform(a, b, c, d);
+        const float size = a * a + b * b + c * c + d * d;
+        CHECK(m.a * m.a + m.b * m.b == Approx(a * a + b * b).margin(1e-5F * size));
+        CHECK(m.b * m.d == Approx(a * c + b * d).margin(1e-5F * size));
+        CHECK(m.d * m.d == Approx(c * c + d * d).margin(1e-5F * size));
+        CHECK(m.a > 0);
+        CHECK(m.d > 0);
+        // The same surface from (alphaMax, alphaMin, phi).
+        if (std::fabs(a * d - b * c) < 0.05F * size) continue;
+        const EquivalentAlpha e = equivalentAlpha(m);
+        const MicroTransform again = microTransformFromAlpha(e.max, e.min, e.phi);
+        CHECK(again.a == Approx(m.a).epsilon(2e-4));
+        CHECK(again.b == Approx(m.b).margin(2e-4 * std::sqrt(size)));
+        CHECK(again.d == Approx(m.d).epsilon(2e-4));
+    }
+}
+
+TEST_CASE("Collapsed and extreme transforms are clamped, finite and keep their direction", "[microsurface][collapse]") {
+    for (const Vec4 &block : {Vec4(0, 0, 0, 0), Vec4(1, 0, 0, 0), Vec4(0, 1, 0, 0), Vec4(1, 1, 1, 1), Vec4(1e20F, 0, 0, 1e-20F),
+                              Vec4(1, 1000, 0, 1), Vec4(1e-30F, 0, 0, 1e-30F), Vec4(NAN, 0, 0, 1), Vec4(INFINITY, 0, 0, 1)}) {
+        const MicroTransform m = microTransform(block.x, block.y, block.z, block.w);
+        const Vec2 sigma = singularValues(m.a, m.b, 0, m.d);
+        CHECK(std::isfinite(m.a + m.b + m.d + m.inverseA + m.inverseD + m.det));
+        CHECK(sigma.x <= kGreatestSingularValue * 1.01F);
+        CHECK(sigma.y >= kLeastSingularValue * 0.9F);
+        CHECK(std::isfinite(ggx::distribution(m, Vec3(0.3F, 0.2F, 0.9F))));
+    }
+    // (1, 1; 1, 1) has its one direction along the diagonal: the rough axis lies across it.
+    CHECK(std::fabs(equivalentAlpha(microTransform(1, 1, 1, 1)).phi) == Approx(kPi / 4).epsilon(1e-3));
+}
+
+TEST_CASE("Normalisation and visible area", "[microsurface]") {
+    for (const auto &[name, m] : upright()) {
+        INFO(name);
+        CHECK(integrate([&, t = m](const Vec3 &w) { return ggx::distribution(t, w) * w.z; }, false) == Approx(1).epsilon(2e-3));
+        for (const double theta : {0.0, 30.0, 80.0, 130.0}) {
+            const Vec3 wo = direction(theta, 40);
+            INFO("theta " << theta);
+            CHECK(integrate([&, t = m](const Vec3 &w) { return ggx::visibleNormalPdf(t, wo, w); }, false) == Approx(1).epsilon(5e-3));
+        }
+    }
+    MicroTransform leaning = microTransform(2, 0.5F, 0, 1.5F, 0.8F, -0.4F);
+    CHECK(integrate([&](const Vec3 &w) { return ggx::distribution(leaning, w) * w.z; }, true) == Approx(1).epsilon(2e-3));
+    // The cosine in standard space, w.z / L(w).
+    CHECK(0.8F / ggx::stretchedLength(leaning, Vec3(0.6F, 0, 0.8F)) == Approx(0.9624671).epsilon(1e-6));
+    CHECK(0.8F / ggx::stretchedLength(leaning, Vec3(-0.6F, 0, 0.8F)) == Approx(0.7496341).epsilon(1e-6));
+}
+
+TEST_CASE("Single-scatter albedo", "[microsurface]") {
+    // Closed value at alpha 1: 1 - ln 2. Others by quadrature in double elsewhere (the table).
+    const auto albedo = [](float alpha) {
+        const Bsdf bsdf = conductor(microTransformFromAlpha(alpha, alpha));
+        const ScatteringPoint point(bsdf, Vec3(0, 0, 1));
+        return integrate([&](const Vec3 &w) { return point.evaluate(w).fCos.x; }, false, 1200);
+    };
+    CHECK(albedo(1) == Approx(1 - std::log(2.0)).epsilon(1e-4));
+    CHECK(albedo(0.5F) == Approx(0.6878485).epsilon(1e-4));
+    CHECK(albedo(0.25F) == Approx(0.9158124).epsilon(1e-4));
+    CHECK(albedo(0.1F) == Approx(0.9883041).epsilon(1e-3));
+}
+
+namespace {
+
+/// Chi-squared of ScatteringPoint::sample against its pdf. `distort` bends the sampler, to see that the test would notice.
+double chiSquaredOf(const Bsdf &bsdf, const Vec3 &wo, std::uint32_t seed, int samples = 200000, float distort = 1) {
+    constexpr int kZ = 24;
+    constexpr int kPhi = 32;
+    constexpr int kSubZ = 40;
+    constexpr int kSub = 24;
+    const ScatteringPoint point(bsdf, wo);
+    std::vector<double> observed(kZ * kPhi + 1);
+    std::vector<double> expected(kZ * kPhi + 1);
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<float> uniform(0, kOneMinusEpsilon);
+    // Bins are uniform on the sphere after turning the mirror direction to the pole, where lobes are narrow.
+    const Vec3 axis(-wo.x, -wo.y, std::fabs(wo.z));
+    const Frame frame = smoothFrameFromNormal(axis);
+    // Bins are equal in t with theta = pi smoothstep(t): crowded at both poles, where mirror and refracted lobes are, and with a
+    // boundary at the equator.
+    for (int i = 0; i < samples; ++i) {
+        const auto s = point.sample({uniform(random), uniform(random)}, uniform(random));
+        if (!s) {
+            ++observed.back();
+            continue;
+        }
+        const Vec3 local = frame.toLocal(s->wi);
+        float azimuth = std::atan2(local.y, local.x);
+        azimuth = azimuth < 0 ? azimuth + 2 * kPi : azimuth;
+        azimuth = 2 * kPi * std::pow(azimuth / (2 * kPi), distort);
+        const double theta = std::acos(std::clamp(static_cast<double>(local.z), -1.0, 1.0)) / 3.141592653589793;
+        const double t = 0.5 - std::sin(std::asin(1 - 2 * theta) / 3); // inverse of smoothstep
+        const int iz = std::min(kZ - 1, static_cast<int>(t * kZ));
+        const int ip = std::min(kPhi - 1, static_cast<int>(azimuth / (2 * kPi) * kPhi));
+        ++observed[static_cast<std::size_t>(iz * kPhi + ip)];
+    }
+    double total = 0;
+    for (int iz = 0; iz < kZ; ++iz)
+        for (int ip = 0; ip < kPhi; ++ip) {
+            double sum = 0;
+            for (int a = 0; a < kSubZ; ++a)
+                for (int b = 0; b < kSub; ++b) {
+                    const double t = (iz + (a + 0.5) / kSubZ) / kZ;
+                    const double polar = 3.141592653589793 * t * t * (3 - 2 * t);
+                    const double z = std::cos(polar);
+                    const double phi = 2 * 3.141592653589793 * (ip + (b + 0.5) / kSub) / kPhi;
+                    const double r = std::sin(polar);
+                    const Vec3 w = frame.fromLocal(Vec3(r * std::cos(phi), r * std::sin(phi), z));
+                    sum += static_cast<double>(point.evaluate(glm::normalize(w)).pdf) * r * 6 * t * (1 - t) * 3.141592653589793;
+                }
+            sum *= 2 * 3.141592653589793 / (kZ * kPhi * kSubZ * kSub);
+            total += sum;
+            expected[static_cast<std::size_t>(iz * kPhi + ip)] = sum * samples;
+        }
+    expected.back() = std::max(0.0, 1 - total) * samples;
+    return test::chiSquaredP(observed, expected);
+}
+
+} // namespace
+
+TEST_CASE("BSDF samplers follow their densities", "[microsurface][chi2]") {
+    std::vector<std::pair<std::string, Bsdf>> bsdfs;
+    for (const auto &[name, m] : upright()) bsdfs.emplace_back(name, conductor(m));
+    Bsdf glass;
+    glass.type = BsdfType::Dielectric;
+    glass.micro = microTransform(2, 1, 0, 3);
+    bsdfs.emplace_back("glass from outside", glass);
+    glass.eta = 1 / 1.5F;
+    bsdfs.emplace_back("glass from inside", glass);
+    Bsdf coated;
+    coated.type = BsdfType::Coated;
+    coated.albedo = Vec3(0.5F, 0.6F, 0.7F);
+    coated.micro = microTransform(3, 1, 0, 2);
+    coated.diffuseEscape = coatEscape(1.5F);
+    bsdfs.emplace_back("coated", coated);
+    Bsdf diffuse;
+    diffuse.albedo = Vec3(0.5F);
+    bsdfs.emplace_back("diffuse", diffuse);
+    const std::vector<double> thetas{0, 30, 60, 80, 95};
+    const double level = test::sidak(0.01, static_cast<int>(bsdfs.size() * thetas.size()));
+    std::uint32_t seed = 1;
+    for (const auto &[name, bsdf] : bsdfs)
+        for (const double theta : thetas) {
+            INFO(name << ", theta " << theta);
+            CHECK(chiSquaredOf(bsdf, direction(theta, 25), seed++) > level);
+        }
+    // The harness notices an azimuth that is wrong by two per cent.
+    CHECK(chiSquaredOf(bsdfs[0].second, direction(30, 25), 99, 1000000, 1.02F) < 1e-6);
+}
+
+TEST_CASE("Reciprocity and weights", "[microsurface]") {
+    std::mt19937 random(3);
+    std::uniform_real_distribution<float> uniform(0, kOneMinusEpsilon);
+    for (const auto &[name, m] : upright()) {
+        INFO(name);
+        for (const bool correlated : {true, false}) {
+            const Bsdf bsdf = conductor(m, correlated);
+            for (int i = 0; i < 200; ++i) {
+                const Vec3 wo = squareToCosineHemisphere({uniform(random), uniform(random)});
+                const Vec3 wi = squareToCosineHemisphere({uniform(random), uniform(random)});
+                if (wo.z < 1e-2F || wi.z < 1e-2F) continue;
+                const float forward = ScatteringPoint(bsdf, wo).evaluate(wi).fCos.x / wi.z;
+                const float backward = ScatteringPoint(bsdf, wi).evaluate(wo).fCos.x / wo.z;
+                CHECK(forward == Approx(backward).epsilon(1e-4).margin(1e-12));
+                if (const auto s = ScatteringPoint(bsdf, wo).sample({uniform(random), uniform(random)}, 0)) {
+                    CHECK(s->weight.x <= 1.001F);
+                    CHECK(s->pdf > 0);
+                }
+            }
+        }
+    }
+}
+
+TEST_CASE("A lossless coat over a white base and lossless glass lose nothing but masking", "[bsdf]") {
+    // Smooth surfaces: what single scattering loses to masking vanishes.
+    const MicroTransform smooth = microTransformFromAlpha(0.01F, 0.01F);
+    std::mt19937 random(11);
+    std::uniform_real_distribution<float> uniform(0, kOneMinusEpsilon);
+    const auto albedo = [&](const Bsdf &bsdf, const Vec3 &wo) {
+        double sum = 0;
+        constexpr int kSamples = 200000;
+        const ScatteringPoint point(bsdf, wo);
+        for (int i = 0; i < kSamples; ++i)
+            if (const auto s = point.sample({uniform(random), uniform(random)}, uniform(random)))
+                sum += static_cast<double>(s->weight.x * (s->transmitted ? s->etaScale : 1.0F));
+        return sum / kSamples;
+    };
+    Bsdf coated;
+    coated.type = BsdfType::Coated;
+    coated.albedo = Vec3(1);
+    coated.micro = smooth;
+    coated.diffuseEscape = coatEscape(1.5F);
+    Bsdf glass;
+    glass.type = BsdfType::Dielectric;
+    glass.micro = smooth;
+    for (const double theta : {0.0, 40.0, 70.0}) {
+        INFO("theta " << theta);
+        CHECK(albedo(coated, direction(theta, 10)) == Approx(1).epsilon(6e-3));
+        CHECK(albedo(glass, direction(theta, 10)) == Approx(1).epsilon(4e-3));
+        glass.eta = 1 / 1.5F;
+        CHECK(albedo(glass, direction(theta, 10)) == Approx(1).epsilon(4e-3));
+        glass.eta = 1.5F;
+    }
+}
+
+TEST_CASE("Sobol: the fast second dimension is Sobol's, and scrambled points stratify", "[sampler]") {
+    for (std::uint32_t i : {1U, 2U, 3U, 77U, 12345U, 0xdeadbeefU, 0xffffffffU}) {
+        std::uint32_t expected = 0;
+        std::uint32_t column = 1U << 31;
+        for (std::uint32_t bits = i; bits != 0; bits >>= 1, column ^= column >> 1)
+            if ((bits & 1U) != 0) expected ^= column;
+        CHECK(reverseBits(sobolSecondReversed(i)) == expected);
+    }
+    // A (0, m, 2)-net: 256 points, one in each elementary interval of every shape.
+    for (std::uint32_t seed = 1; seed < 6; ++seed)
+        for (int k = 0; k <= 8; ++k) {
+            std::vector<int> cells(256);
+            for (std::uint32_t i = 0; i < 256; ++i) {
+                const Vec2 p = sobol2(i, seed);
+                const int x = static_cast<int>(p.x * static_cast<float>(1 << k));
+                const int y = static_cast<int>(p.y * static_cast<float>(1 << (8 - k)));
+                ++cells[static_cast<std::size_t>(x * (1 << (8 - k)) + y)];
+            }
+            CHECK(std::all_of(cells.begin(), cells.end(), [](int n) { return n == 1; }));
+        }
+}

@@ -1,0 +1,101 @@
+#pragma once
+/// Small scenes made in code, and images of them, for tests of the renderer.
+
+#include "taut/mesh/shapes.h"
+#include "taut/render/render_frame.h"
+
+#include <memory>
+
+namespace taut::test {
+
+inline Object makeObject(Mesh mesh, Index material = 0) {
+    Object object;
+    object.name = mesh.name;
+    object.mesh = std::make_shared<const Mesh>(std::move(mesh));
+    object.materials = {material};
+    return object;
+}
+
+inline Material ggxMaterial(float alphaX, float alphaY, float rotation = 0) {
+    Material material;
+    material.name = "ggx";
+    material.type = MaterialType::Conductor;
+    material.alphaX.value = alphaX;
+    material.alphaY.value = alphaY;
+    material.rotation.value = rotation;
+    return material;
+}
+
+/// A square image of one object under a quad light and a dim constant sky, seen from above at an angle.
+inline Scene smallScene(Object object, const Material &material, int size = 48) {
+    Scene scene;
+    scene.render.width = size;
+    scene.render.height = size;
+    scene.render.boxFilter = true;
+    scene.render.maxEvents = 4;
+    scene.materials = {material};
+    scene.objects.push_back(std::move(object));
+    scene.camera.position = DVec3(0.3, -2.2, 1.9);
+    scene.camera.lookAt = DVec3(0);
+    Light quad;
+    quad.corner = DVec3(-1.5, 1, 1.5);
+    quad.u = DVec3(0, 0, 1);
+    quad.v = DVec3(1.5, 0, 0);
+    quad.radiance = Vec3(6, 5, 4);
+    quad.twoSided = true;
+    scene.lights.push_back(quad);
+    scene.environment = constantEnvironment(Vec3(0.2F, 0.25F, 0.3F));
+    return scene;
+}
+
+/// Renders one frame; interleaved channels of film.resolve().
+inline std::vector<float> renderImage(const Scene &scene, double frame, int spp, const std::vector<Aov> &aovs = {},
+                                      std::uint32_t seed = 1) {
+    RenderScene ready(scene, false);
+    StageTimes times;
+    ready.setFrame(frame, times);
+    FrameOptions options;
+    options.spp = spp;
+    options.aovs = aovs;
+    options.seed = seed;
+    const FrameResult result = renderFrame(ready, options);
+    return result.film.resolve();
+}
+
+/// Largest |a - b| / max(|a|, |b|, floor) over all values.
+inline float greatestDifference(const std::vector<float> &a, const std::vector<float> &b, float floor = 1e-3F) {
+    if (a.size() != b.size()) return kInfinity;
+    float greatest = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        const float difference = std::fabs(a[i] - b[i]) / std::fmax(floor, std::fmax(std::fabs(a[i]), std::fabs(b[i])));
+        if (!(difference <= greatest)) greatest = difference; // NaN counts as the greatest
+    }
+    return greatest;
+}
+
+/// Share of values that differ by more than `tolerance`, relative as above.
+inline double shareOver(const std::vector<float> &a, const std::vector<float> &b, float tolerance, float floor = 1e-3F) {
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < a.size(); ++i)
+        if (!(std::fabs(a[i] - b[i]) <= tolerance * std::fmax(floor, std::fmax(std::fabs(a[i]), std::fabs(b[i]))))) ++count;
+    return static_cast<double>(count) / static_cast<double>(a.size());
+}
+
+inline DeformerKeys stretchDeformer(const DVec3 &factor) {
+    DeformerKeys keys;
+    keys.type = DeformerType::Stretch;
+    keys.factor = factor;
+    return keys;
+}
+
+/// x displaced by `amount` times y.
+inline DeformerKeys shearDeformer(double amount, int axis = 0, int axis2 = 1) {
+    DeformerKeys keys;
+    keys.type = DeformerType::Shear;
+    keys.axis = axis;
+    keys.axis2 = axis2;
+    keys.amount = amount;
+    return keys;
+}
+
+} // namespace taut::test
