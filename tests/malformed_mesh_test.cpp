@@ -1,4 +1,4 @@
-/// Broken files: each mistake is named with its place on one line, and no broken file does anything but throw InputError.
+/// Broken files, one mistake each: it is named with its place, what was found and what was expected, on one line.
 
 #include "mesh_samples.h"
 
@@ -6,31 +6,11 @@
 #include "taut/mesh/read_mesh.h"
 
 #include <functional>
-#include <random>
 
 using namespace taut;
 using namespace taut::test;
 
 namespace {
-
-void readAny(const std::string &path) {
-    Warnings warnings;
-    if (!isGltfPath(path)) {
-        requireValid(readMesh(path, warnings));
-        return;
-    }
-    for (const Mesh &mesh : readGltf(path, warnings).meshes) requireValid(mesh);
-}
-
-/// The error that a file gives; empty where it loads.
-std::string errorOf(const std::string &name, const std::string &bytes) {
-    try {
-        readAny(writeFile(name, bytes));
-        return {};
-    } catch (const InputError &error) {
-        return error.what();
-    }
-}
 
 /// A file, and what its error must hold: first its place, right after the file's name.
 struct Case {
@@ -144,7 +124,7 @@ TEST_CASE("Malformed PLY", "[mesh][malformed][ply]") {
                    {binary.substr(0, binary.size() - 1),
                     at(static_cast<std::int64_t>(binary.size()) - 5),
                     {"1 items in list 'more'", "the rest of the file"}},
-                   {binary.substr(0, static_cast<std::size_t>(faces) + 1), ":15:14: ", {"3 elements 'face'"}},
+                   {binary.substr(0, static_cast<std::size_t>(faces) + 1), at(faces), {"the end of the file", "2 bytes"}},
                    {replaced(binary, "element face 3", "element face 4") + std::string(2, 'x'),
                     at(static_cast<std::int64_t>(binary.size()) + 2),
                     {"the end of the file", "1 bytes"}},
@@ -365,7 +345,7 @@ TEST_CASE("Malformed glTF content", "[mesh][malformed][gltf]") {
              j["materials"][0]["emissiveFactor"] = {1, 1};
          },
          ": materials[0].emissiveFactor: ",
-         {"an array of 2 numbers"}},
+         {"'[1,1]'", "an array of 3 finite numbers"}},
         {[](Json &j) { j["materials"][0]["extensions"]["KHR_materials_ior"]["ior"] = 0.5; },
          ": materials[0].extensions.KHR_materials_ior.ior: ",
          {"at least 1"}},
@@ -398,108 +378,4 @@ TEST_CASE("Files that are no files", "[mesh][malformed]") {
     CHECK_THROWS_WITH(readMesh(outputFolder("mesh/folder.obj"), warnings), Catch::Contains("not a file"));
     CHECK_THROWS_WITH(readMesh(writeFile("mesh.obk", "v"), warnings),
                       Catch::Contains("'obk', expected one of obj, ply, off, stl; did you mean 'obj'?"));
-}
-
-// --- every cut and many random changes of valid files ------------------------------------------------------------------
-
-namespace {
-
-struct Sample {
-    std::string name;
-    std::string bytes;
-    bool text;
-};
-
-std::vector<Sample> samples() {
-    return {{"fuzz.obj", objSample(), true},
-            {"fuzz.ply", plyAsciiSample(), true},
-            {"fuzz_b.ply", plyBinarySample(false), false},
-            {"fuzz_m.ply", plyBinarySample(true), false},
-            {"fuzz.off", offSample(), true},
-            {"fuzz.stl", stlAsciiSample(), true},
-            {"fuzz_b.stl", stlBinarySample(), false},
-            {"fuzz.glb", gltfSample().glb(), false},
-            {"fuzz.gltf", gltfSample().gltf(), true}};
-}
-
-/// Loads, or says what is wrong on one line: anything else fails the test (or stops it, under a sanitizer).
-void mustLoadOrSay(const std::string &name, const std::string &bytes) {
-    std::string failure;
-    try {
-        const std::string error = errorOf(name, bytes);
-        if (error.find('\n') != std::string::npos) failure = "more than one line: " + error;
-    } catch (const std::exception &other) {
-        failure = other.what();
-    }
-    if (failure.empty()) return;
-    std::ofstream(outputFolder("mesh") + "/failed_" + name, std::ios::binary) << bytes;
-    FAIL_CHECK(name << ": " << failure);
-}
-
-} // namespace
-
-TEST_CASE("The samples themselves load", "[mesh][malformed]") {
-    for (const Sample &sample : samples()) CHECK(errorOf(sample.name, sample.bytes).empty());
-}
-
-TEST_CASE("A file cut anywhere loads or says why not", "[mesh][malformed][fuzz]") {
-    for (const Sample &sample : samples()) {
-        const std::size_t step = std::max<std::size_t>(1, sample.bytes.size() / 400);
-        for (std::size_t length = 0; length < sample.bytes.size(); length += step) {
-            std::string cut = sample.bytes.substr(0, length);
-            mustLoadOrSay(sample.name, cut);
-            if (sample.name != "fuzz.glb" || length < 12) continue;
-            // With the length in the header made right again, so that the cut is met further in.
-            const auto whole = static_cast<std::uint32_t>(length);
-            std::memcpy(cut.data() + 8, &whole, sizeof whole);
-            mustLoadOrSay(sample.name, cut);
-        }
-    }
-}
-
-TEST_CASE("A file with flipped bits loads or says why not", "[mesh][malformed][fuzz]") {
-    std::mt19937 random(20240229);
-    for (const Sample &sample : samples())
-        for (int i = 0; i < 400; ++i) {
-            std::string bytes = sample.bytes;
-            for (std::size_t flips = 1 + random() % 4; flips > 0; --flips)
-                bytes[random() % bytes.size()] ^= static_cast<char>(1U << random() % 8);
-            mustLoadOrSay(sample.name, bytes);
-        }
-}
-
-TEST_CASE("A text with other numbers loads or says why not", "[mesh][malformed][fuzz]") {
-    constexpr const char *kNumbers[] = {"0",    "-1",     "1",   "2",   "255", "65536", "2147483647", "4294967295", "18446744073709551615",
-                                        "1e38", "-1e300", "0.5", "nan", "7"};
-    std::mt19937 random(20240301);
-    for (const Sample &sample : samples()) {
-        if (!sample.text && sample.name != "fuzz.glb") continue;
-        for (int i = 0; i < 500; ++i) {
-            std::string bytes = sample.bytes;
-            // The buffer's base64 in the .gltf is full of digits, too: those are data.
-            const std::size_t end = std::min(bytes.size(), bytes.find("base64,"));
-            for (std::size_t changes = 1 + random() % 2; changes > 0; --changes) {
-                std::size_t at = random() % end;
-                while (at < end && !(bytes[at] >= '0' && bytes[at] <= '9')) ++at;
-                std::size_t length = 0;
-                while (at + length < end && bytes[at + length] >= '0' && bytes[at + length] <= '9') ++length;
-                if (length != 0) bytes.replace(at, length, kNumbers[random() % std::size(kNumbers)]);
-            }
-            mustLoadOrSay(sample.name, bytes);
-        }
-    }
-}
-
-TEST_CASE("A binary file with other words loads or says why not", "[mesh][malformed][fuzz]") {
-    constexpr std::uint32_t kWords[] = {0, 1, 2, 3, 255, 0x7fffffff, 0x80000000, 0xffffffff, 0x7f800000, 0x7fc00000, 0x3f800000, 50};
-    std::mt19937 random(20240302);
-    for (const Sample &sample : samples()) {
-        if (sample.text) continue;
-        for (int i = 0; i < 400; ++i) {
-            std::string bytes = sample.bytes;
-            const std::uint32_t word = kWords[random() % std::size(kWords)];
-            std::memcpy(bytes.data() + random() % (bytes.size() - 4), &word, sizeof word);
-            mustLoadOrSay(sample.name, bytes);
-        }
-    }
 }

@@ -4,7 +4,8 @@
 #include "assets.h"
 
 #include "taut/base/error.h"
-#include "taut/mesh/mesh.h"
+#include "taut/mesh/gltf.h"
+#include "taut/mesh/read_mesh.h"
 
 #include <nlohmann/json.hpp>
 
@@ -310,6 +311,26 @@ inline void requireValid(const Mesh &mesh) {
     require(mesh.skin.empty() ||
                 (mesh.skin.offsets.size() == mesh.positions.size() + 1 && mesh.skin.offsets.back() == mesh.skin.joints.size()),
             "skin");
+}
+
+/// Reads a mesh or a glTF file and checks what it gives.
+inline void readAny(const std::string &path) {
+    Warnings warnings;
+    if (!isGltfPath(path)) {
+        requireValid(readMesh(path, warnings));
+        return;
+    }
+    for (const Mesh &mesh : readGltf(path, warnings).meshes) requireValid(mesh);
+}
+
+/// The error that a file of these bytes gives; empty where it loads.
+inline std::string errorOf(const std::string &name, const std::string &bytes) {
+    try {
+        readAny(writeFile(name, bytes));
+        return {};
+    } catch (const InputError &error) {
+        return error.what();
+    }
 }
 
 } // namespace taut::test

@@ -109,7 +109,7 @@ TEST_CASE("At rest, under rigid motion and uniform scale the gradient is exactly
         }
 }
 
-TEST_CASE("Deformers carry the gradient exactly; the fit converges to it with second order", "[surface][convergence]") {
+TEST_CASE("Deformers carry the gradient exactly, and the fit converges to it with second order", "[surface][convergence]") {
     DeformerKeys twist;
     twist.type = DeformerType::Twist;
     twist.amount = 1.3;

@@ -26,12 +26,13 @@ void taut::app::printWarnings(const Warnings &warnings) {
 int main(int argc, char **argv) {
     CLI::App app("Renders deforming meshes whose gloss follows the deformation.", "taut");
     app.set_version_flag("--version", "taut " TAUT_VERSION);
-    app.require_subcommand(1);
+    app.require_subcommand(0, 1); // none at all is told below, so that an unknown one is named
     taut::app::Run run;
     taut::app::addRender(app, run);
     taut::app::addInfo(app, run);
     try {
         app.parse(argc, argv);
+        if (!run) return fail(kBadInput, "found no subcommand, expected render or info (see taut --help)");
         return run();
     } catch (const CLI::ParseError &error) {
         if (error.get_exit_code() == 0) return app.exit(error); // --help, --version

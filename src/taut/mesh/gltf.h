@@ -53,7 +53,7 @@ struct Node {
 
 struct Skin {
     std::string name;
-    std::vector<Index> joints;           ///< nodes
+    std::vector<Index> joints;            ///< nodes
     std::vector<DMat4> inverseBindMatrix; ///< [joints]
 };
 
@@ -69,7 +69,7 @@ struct GltfTextureRef {
 /// An image: bytes of a PNG or JPEG file held in memory (buffer view, data URI) or a path beside the .gltf.
 struct GltfImage {
     std::string name;
-    std::string path;                ///< empty where `bytes` holds the file
+    std::string path; ///< empty where `bytes` holds the file
     std::vector<unsigned char> bytes;
 };
 
@@ -78,12 +78,12 @@ struct GltfMaterial {
     Vec4 baseColor{1};
     GltfTextureRef baseColorTexture;
     float metallic = 1;
-    float roughness = 1; ///< glTF's roughness: alpha = roughness^2
+    float roughness = 1;                     ///< glTF's roughness: alpha = roughness^2
     GltfTextureRef metallicRoughnessTexture; ///< G = roughness, B = metallic
     Vec3 emissive{0};                        ///< with KHR_materials_emissive_strength applied
     GltfTextureRef emissiveTexture;
-    float anisotropyStrength = 0; ///< KHR_materials_anisotropy
-    float anisotropyRotation = 0; ///< radians, counter-clockwise from the tangent
+    float anisotropyStrength = 0;     ///< KHR_materials_anisotropy
+    float anisotropyRotation = 0;     ///< radians, counter-clockwise from the tangent
     GltfTextureRef anisotropyTexture; ///< RG = direction, B = strength
     float ior = 1.5F;                 ///< KHR_materials_ior
     float transmission = 0;           ///< KHR_materials_transmission
@@ -93,9 +93,9 @@ struct GltfMaterial {
 struct GltfCamera {
     std::string name;
     bool perspective = true;
-    float yFov = 0.8F;       ///< radians
-    float aspectRatio = 0;   ///< 0: not given
-    float yMag = 1;          ///< orthographic half height
+    float yFov = 0.8F;     ///< radians
+    float aspectRatio = 0; ///< 0: not given
+    float yMag = 1;        ///< orthographic half height
 };
 
 /// KHR_lights_punctual. Shines along the node's -z.
@@ -110,9 +110,9 @@ struct GltfLight {
 
 struct GltfFile {
     std::string path;
-    std::vector<Node> nodes; ///< parents come before their children
-    std::vector<Index> sceneNodes; ///< nodes of the default scene (all descendants included), in `nodes` order
-    std::vector<Mesh> meshes; ///< one a primitive; corner attribute indices equal the position index
+    std::vector<Node> nodes;          ///< parents come before their children
+    std::vector<Index> sceneNodes;    ///< nodes of the default scene (all descendants included), in `nodes` order
+    std::vector<Mesh> meshes;         ///< one a primitive; corner attribute indices equal the position index (a zero normal: kNone)
     std::vector<Index> meshMaterials; ///< [meshes], into materials; kNone: default material
     std::vector<Skin> skins;
     std::vector<Clip> clips;

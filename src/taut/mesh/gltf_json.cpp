@@ -23,8 +23,8 @@ struct Step {
     }
 };
 
-/// What a member may be: i index or count, I array of them, n number, N array of numbers, s string, S array of strings,
-/// b boolean, o object, a array of objects, m object of indices (vertex attributes), M array of such.
+/// What a member may be: i index or count, I array of them, n number, N array of numbers, 3 and 4 an array of so many, s string, S array of
+/// strings, b boolean, o object, a array of objects, m object of indices (vertex attributes), M array of such.
 struct MemberRule {
     std::string_view key;
     std::string_view kinds;
@@ -98,10 +98,10 @@ constexpr auto kMemberRules = std::to_array<MemberRule>({
     {"interpolation", "s"},
     // materials and textures
     {"pbrMetallicRoughness", "o"},
-    {"baseColorFactor", "N"},
+    {"baseColorFactor", "4"},
     {"metallicFactor", "n"},
     {"roughnessFactor", "n"},
-    {"emissiveFactor", "N"},
+    {"emissiveFactor", "3"},
     {"baseColorTexture", "o"},
     {"metallicRoughnessTexture", "o"},
     {"emissiveTexture", "o"},
@@ -133,7 +133,7 @@ constexpr auto kMemberRules = std::to_array<MemberRule>({
     {"ymag", "n"},
     {"znear", "n"},
     {"zfar", "n"},
-    {"color", "N"},
+    {"color", "3"},
     {"intensity", "n"},
     {"range", "n"},
     {"spot", "o"},
@@ -197,6 +197,8 @@ bool isOfKind(const json &value, char kind) {
     case 'I': return value.is_array() && all(value, isIndex);
     case 'n': return isFiniteNumber(value);
     case 'N': return value.is_array() && all(value, isFiniteNumber);
+    case '3': return isOfKind(value, 'N') && value.size() == 3;
+    case '4': return isOfKind(value, 'N') && value.size() == 4;
     case 's': return value.is_string();
     case 'S': return value.is_array() && all(value, [](const json &v) { return v.is_string(); });
     case 'b': return value.is_boolean();
@@ -213,6 +215,8 @@ std::string_view describe(char kind) {
     case 'I': return "an array of integers from 0 to 2147483647";
     case 'n': return "a finite number";
     case 'N': return "an array of finite numbers";
+    case '3': return "an array of 3 finite numbers";
+    case '4': return "an array of 4 finite numbers";
     case 's': return "a string";
     case 'S': return "an array of strings";
     case 'b': return "true or false";

@@ -165,7 +165,7 @@ void runTinyGltf(GltfSource &source) {
         error = exception.what();
     }
     while (!error.empty() && (error.back() == '\n' || error.back() == ' ')) error.pop_back();
-    if (!loaded) failGltf(source.path, "the JSON", taut::quoted(error), "a glTF 2.0 file");
+    if (!loaded) failGltf(source.path, "the JSON", "what tinygltf calls " + error.substr(0, 200), "a glTF 2.0 file");
 }
 
 } // namespace

@@ -7,7 +7,7 @@
 ///
 /// in local shading space (orthonormal, z = macro-normal). The distribution depends on M only through M M^T, so the 2x2 block
 /// is kept upper triangular with a, d > 0: three floats for an upright microsurface, five for a leaning one.
-/// Heitz, Dupuy, Belcour & others; "Microsurface Transformations" (Atanasov, Wilkie, Koylazov & Krivanek 2022).
+/// "Microsurface Transformations", Computer Graphics Forum 41(4), 2022.
 
 #include "taut/base/vec.h"
 

@@ -20,12 +20,6 @@ std::string extensionOf(const std::string &path) {
     return extension;
 }
 
-/// A name in the same folder that keeps the extension, so that writers choose the same format.
-std::string temporaryName(const std::string &path) {
-    const fs::path target(path);
-    return (target.parent_path() / ("." + target.stem().string() + ".part" + target.extension().string())).string();
-}
-
 void makeParent(const std::string &path) {
     const fs::path parent = fs::path(path).parent_path();
     std::error_code error;
@@ -33,11 +27,34 @@ void makeParent(const std::string &path) {
     if (error) throw RunError(path + ": can't make its folder: " + error.message());
 }
 
-void renameWhole(const std::string &from, const std::string &to) {
-    std::error_code error;
-    fs::rename(from, to, error);
-    if (error) throw RunError(to + ": can't be written: " + error.message());
-}
+/// A file under construction beside its final name, with the same extension so that writers choose the same format. It is gone
+/// with this object unless it was finished.
+class PartFile {
+  public:
+    explicit PartFile(const std::string &path) : target_(path) {
+        makeParent(path);
+        part_ = (target_.parent_path() / ("." + target_.stem().string() + ".part" + target_.extension().string())).string();
+    }
+    ~PartFile() {
+        std::error_code ignored;
+        if (!finished_) fs::remove(part_, ignored);
+    }
+    PartFile(const PartFile &) = delete;
+    PartFile &operator=(const PartFile &) = delete;
+
+    [[nodiscard]] const std::string &name() const { return part_; }
+    void finish() {
+        std::error_code error;
+        fs::rename(part_, target_, error);
+        if (error) throw RunError(target_.string() + ": can't be written: " + error.message());
+        finished_ = true;
+    }
+
+  private:
+    fs::path target_;
+    std::string part_;
+    bool finished_ = false;
+};
 
 } // namespace
 
@@ -51,7 +68,7 @@ bool isImagePath(const std::string &path) {
 }
 
 void writeImage(const std::string &path, const Image &image, const Metadata &metadata) {
-    makeParent(path);
+    PartFile part(path);
     const bool png = extensionOf(path) == ".png";
     const int channels = static_cast<int>(image.channels.size());
     OIIO::ImageSpec spec(image.window.width(), image.window.height(), png ? 3 : channels,
@@ -69,10 +86,9 @@ void writeImage(const std::string &path, const Image &image, const Metadata &met
     }
     for (const auto &[name, value] : metadata) spec.attribute(name, value);
 
-    const std::string temporary = temporaryName(path);
-    const auto output = OIIO::ImageOutput::create(temporary);
+    const auto output = OIIO::ImageOutput::create(part.name());
     if (!output) throw RunError(path + ": no writer for this kind of image: " + OIIO::geterror());
-    bool written = output->open(temporary, spec);
+    bool written = output->open(part.name(), spec);
     if (written && png) {
         const std::size_t pixels = image.values.size() / static_cast<std::size_t>(channels);
         std::vector<unsigned char> bytes;
@@ -86,7 +102,7 @@ void writeImage(const std::string &path, const Image &image, const Metadata &met
         written = output->write_image(OIIO::TypeDesc::FLOAT, image.values.data());
     }
     if (!written || !output->close()) throw RunError(path + ": can't be written: " + output->geterror());
-    renameWhole(temporary, path);
+    part.finish();
 }
 
 Image readImage(const std::string &path) {
@@ -106,13 +122,12 @@ Image readImage(const std::string &path) {
 }
 
 void writeTextFile(const std::string &path, const std::string &text) {
-    makeParent(path);
-    const std::string temporary = temporaryName(path);
-    std::ofstream file(temporary, std::ios::binary);
+    PartFile part(path);
+    std::ofstream file(part.name(), std::ios::binary);
     file << text;
     file.close();
     if (!file) throw RunError(path + ": can't be written");
-    renameWhole(temporary, path);
+    part.finish();
 }
 
 } // namespace taut

@@ -13,6 +13,8 @@
 namespace taut {
 
 struct LoadContext {
+    explicit LoadContext(Warnings &warnings_) : warnings(warnings_) {}
+
     Scene scene;
     Warnings &warnings;
     std::string folder; ///< relative paths start here

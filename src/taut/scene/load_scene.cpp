@@ -52,7 +52,8 @@ Scene loadScene(const std::string &path, const std::vector<std::string> &overrid
     TomlValue root = readRoot(path);
     for (const std::string &text : overrides) applyOverride(root, text);
 
-    LoadContext context{.scene = {}, .warnings = warnings, .folder = std::filesystem::path(path).parent_path().string()};
+    LoadContext context(warnings);
+    context.folder = std::filesystem::path(path).parent_path().string();
     context.scene.path = path;
     TableReader table(root, "with the sections of a scene", {"render", "camera", "environment", "light", "material", "mesh"});
     if (const TomlValue *section = table.find("render")) loadRender(*section, context.scene.render);

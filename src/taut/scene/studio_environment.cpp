@@ -42,13 +42,13 @@ float coverage(const SoftBox &box, const Vec3 &w) {
 
 const SoftBox kBoxes[] = {
     // key: a long strip overhead and to the left
-    {Vec3(-0.75F, -0.45F, 1.0F), Vec3(0.5F, -1, 0), 0.95F, 0.34F, 0.10F, Vec3(12.0F, 11.6F, 11.0F)},
+    {Vec3(-0.75F, -0.45F, 1.0F), Vec3(0.5F, -1, 0), 0.95F, 0.34F, 0.10F, Vec3(6.0F, 5.8F, 5.5F)},
     // rim: upright, behind to the right
-    {Vec3(0.8F, 0.9F, 0.35F), Vec3(1, -0.9F, 0), 0.20F, 0.75F, 0.08F, Vec3(7.5F, 8.0F, 8.8F)},
+    {Vec3(0.8F, 0.9F, 0.35F), Vec3(1, -0.9F, 0), 0.20F, 0.75F, 0.08F, Vec3(4.2F, 4.5F, 4.9F)},
     // fill: large and weak, right of the camera
-    {Vec3(1.0F, -0.75F, 0.30F), Vec3(0.75F, 1, 0), 0.45F, 0.60F, 0.30F, Vec3(1.5F, 1.6F, 1.75F)},
-    // kicker: a thin strip low behind to the left
-    {Vec3(-1.0F, 0.8F, 0.12F), Vec3(0.8F, 1, 0), 0.08F, 0.50F, 0.05F, Vec3(4.2F, 4.0F, 3.7F)},
+    {Vec3(1.0F, -0.75F, 0.30F), Vec3(0.75F, 1, 0), 0.45F, 0.60F, 0.30F, Vec3(0.9F, 0.96F, 1.05F)},
+    // kicker: a thin strip low to the left, outside the view of a camera that looks along +y
+    {Vec3(-1.0F, 0.05F, 0.15F), Vec3(0.05F, 1, 0), 0.08F, 0.50F, 0.05F, Vec3(2.6F, 2.5F, 2.3F)},
 };
 
 /// Walls, ceiling and the floor that sends some of the key back.

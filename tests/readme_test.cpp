@@ -1,0 +1,79 @@
+/// What the README promises, run: its scene is saved, its commands are executed, its links lead somewhere.
+
+#include "assets.h"
+
+#include <catch2/catch.hpp>
+
+#include <cstdlib>
+#include <fstream>
+#include <regex>
+#include <sstream>
+
+namespace fs = std::filesystem;
+
+namespace {
+
+std::string readAll(const fs::path &path) {
+    std::ifstream file(path, std::ios::binary);
+    std::stringstream text;
+    text << file.rdbuf();
+    return text.str();
+}
+
+/// The contents of every fenced block in one language.
+std::vector<std::string> blocks(const std::string &text, const std::string &language) {
+    std::vector<std::string> found;
+    const std::string fence = "```" + language + "\n";
+    for (std::size_t at = text.find(fence); at != std::string::npos; at = text.find(fence, at)) {
+        at += fence.size();
+        const std::size_t end = text.find("```", at);
+        found.push_back(text.substr(at, end - at));
+        at = end + 3;
+    }
+    return found;
+}
+
+} // namespace
+
+TEST_CASE("The README's scene and commands run as they are printed", "[readme]") {
+    const fs::path source = TAUT_SOURCE_DIR;
+    const fs::path folder = taut::test::outputFolder("readme");
+    fs::remove_all(folder);
+    fs::create_directories(folder / "build/release");
+    fs::create_symlink(source / "meshes", folder / "meshes");
+    fs::create_symlink(TAUT_COMMAND, folder / "build/release/taut");
+    const std::string readme = readAll(source / "README.md");
+    const auto scenes = blocks(readme, "toml");
+    REQUIRE(scenes.size() == 1);
+    std::ofstream(folder / "first.toml") << scenes[0];
+    int commands = 0;
+    for (const std::string &block : blocks(readme, "sh")) {
+        std::istringstream lines(block);
+        for (std::string line; std::getline(lines, line);) {
+            if (line.empty()) continue;
+            INFO(line);
+            REQUIRE(line.rfind("build/release/taut ", 0) == 0);
+            CHECK(std::system(("cd '" + folder.string() + "' && " + line + " > /dev/null 2> errors.txt").c_str()) == 0);
+            CHECK(readAll(folder / "errors.txt").find("error") == std::string::npos);
+            ++commands;
+        }
+    }
+    CHECK(commands >= 6);
+    for (const char *file : {"out/first.0001.png", "out/first.0024.png", "out/fixed.png", "out/first.exr", "out/body.png"}) CHECK(fs::exists(folder / file));
+}
+
+TEST_CASE("Every link in the documentation leads to a file", "[readme]") {
+    const fs::path source = TAUT_SOURCE_DIR;
+    for (const char *name : {"README.md", "docs/design.md", "docs/scene.md", "meshes/README.md"}) {
+        const fs::path file = source / name;
+        REQUIRE(fs::exists(file));
+        const std::string text = readAll(file);
+        const std::regex link(R"(\]\(([^)#]+)\))");
+        for (std::sregex_iterator it(text.begin(), text.end(), link), end; it != end; ++it) {
+            const std::string target = (*it)[1];
+            if (target.rfind("http", 0) == 0) continue;
+            INFO(name << " -> " << target);
+            CHECK(fs::exists(file.parent_path() / target));
+        }
+    }
+}

@@ -1,0 +1,120 @@
+/// The shape of the source tree: includes point one way, small headers stay small, files stay readable.
+
+#include "command.h"
+
+#include <array>
+#include <regex>
+
+using namespace taut::test;
+
+namespace {
+
+/// A folder may include itself and the folders before it.
+constexpr std::array<std::string_view, 8> kOrder{"base", "microsurface", "mesh", "deform", "bsdf", "scene", "plan", "render"};
+
+/// What can be lifted out of the project: these folders include nothing else.
+bool isLifted(std::string_view from) {
+    return from == "microsurface" || from == "bsdf";
+}
+bool isAllowedInLifted(std::string_view from, std::string_view to) {
+    return to == from || to == "base" || to == "microsurface";
+}
+
+/// Place in the order; past the end for a folder that is not in it.
+std::size_t rankOf(std::string_view folder) {
+    return static_cast<std::size_t>(std::find(kOrder.begin(), kOrder.end(), folder) - kOrder.begin());
+}
+
+/// The paths below taut/ that a source text includes: "mesh/mesh.h".
+std::vector<std::string> includesOf(const std::string &text) {
+    static const std::regex kInclude(R"re(^\s*#\s*include\s*["<]taut/([^">]+)[">])re");
+    std::vector<std::string> includes;
+    for (const std::string &line : linesOf(text)) {
+        std::smatch match;
+        if (std::regex_search(line, match, kInclude)) includes.push_back(match[1]);
+    }
+    return includes;
+}
+
+std::string folderOf(const std::string &path) {
+    return path.substr(0, path.find('/'));
+}
+
+/// Includes of a file of the library ("mesh/mesh.h") that its folder may not have.
+std::vector<std::string> forbiddenIncludes(const std::string &file, const std::string &text) {
+    const std::string from = folderOf(file);
+    std::vector<std::string> bad;
+    for (const std::string &include : includesOf(text)) {
+        const std::string to = folderOf(include);
+        const bool known = rankOf(from) < kOrder.size() && rankOf(to) < kOrder.size();
+        const bool allowed = isLifted(from) ? isAllowedInLifted(from, to) : rankOf(to) <= rankOf(from);
+        if (!known || !allowed) bad.push_back(include);
+    }
+    return bad;
+}
+
+bool isSource(const fs::path &path) {
+    return path.extension() == ".h" || path.extension() == ".cpp" || path.extension() == ".py";
+}
+
+/// Source files below a folder of the repository, as paths relative to that folder, sorted.
+std::vector<std::string> sourcesBelow(const std::string &folder) {
+    const fs::path root = fs::path(TAUT_SOURCE_DIR) / folder;
+    std::vector<std::string> files;
+    for (const auto &entry : fs::recursive_directory_iterator(root))
+        if (entry.is_regular_file() && isSource(entry.path())) files.push_back(fs::relative(entry.path(), root).generic_string());
+    std::sort(files.begin(), files.end());
+    return files;
+}
+
+std::string sourceText(const std::string &file) {
+    return readBytes(std::string(TAUT_SOURCE_DIR) + "/" + file);
+}
+
+} // namespace
+
+TEST_CASE("structure: the checker of includes finds what it is for", "[structure]") {
+    using Paths = std::vector<std::string>;
+    CHECK(forbiddenIncludes("mesh/made_up.h", "#pragma once\n#include \"taut/scene/scene.h\"\n") == Paths{"scene/scene.h"});
+    CHECK(forbiddenIncludes("base/a.cpp", "  #  include <taut/mesh/mesh.h>\n") == Paths{"mesh/mesh.h"});
+    CHECK(forbiddenIncludes("bsdf/a.h", "#include \"taut/mesh/mesh.h\"\n#include \"taut/base/vec.h\"\n") == Paths{"mesh/mesh.h"});
+    CHECK(forbiddenIncludes("bsdf/a.h", "#include \"taut/deform/stretch.h\"\n") == Paths{"deform/stretch.h"});
+    CHECK(forbiddenIncludes("render/a.cpp", "#include \"taut/apps/a.h\"\n") == Paths{"apps/a.h"});
+    CHECK(forbiddenIncludes("novel/a.h", "#include \"taut/base/vec.h\"\n") == Paths{"base/vec.h"});
+    CHECK(forbiddenIncludes("microsurface/a.h", "#include \"taut/microsurface/ggx.h\"\n#include \"taut/base/vec.h\"\n#include <cmath>\n")
+              .empty());
+    CHECK(forbiddenIncludes("render/a.cpp", "#include \"taut/mesh/mesh.h\"\n// #include \"taut/apps/a.h\"\n").empty());
+    CHECK(sourcesBelow("src/taut").size() > 40);
+}
+
+TEST_CASE("structure: no include of the library points up", "[structure]") {
+    for (const std::string &file : sourcesBelow("src/taut")) {
+        const std::string text = sourceText("src/taut/" + file);
+        for (const std::string &include : forbiddenIncludes(file, text)) FAIL_CHECK(file << " includes " << include);
+        for (const std::string &include : includesOf(text))
+            if (!fs::exists(fs::path(TAUT_SOURCE_DIR) / "src/taut" / include)) FAIL_CHECK(file << ": there is no " << include);
+    }
+}
+
+TEST_CASE("structure: the microsurface and the bsdf are headers, but for the table of metals", "[structure]") {
+    std::vector<std::string> compiled;
+    for (const std::string &file : sourcesBelow("src/taut"))
+        if (isLifted(folderOf(file)) && fs::path(file).extension() == ".cpp") compiled.push_back(file);
+    CHECK(compiled == std::vector<std::string>{"bsdf/metals.cpp"});
+}
+
+TEST_CASE("structure: no file is longer than 500 lines", "[structure]") {
+    for (const std::string folder : {"src", "apps", "tests", "meshes"})
+        for (const std::string &file : sourcesBelow(folder)) {
+            const std::size_t lines = linesOf(sourceText(folder + "/" + file)).size();
+            if (lines > 500) FAIL_CHECK(folder << "/" << file << " has " << lines << " lines");
+        }
+}
+
+TEST_CASE("structure: every header has its guard and says what it is", "[structure]") {
+    for (const std::string &file : sourcesBelow("src/taut")) {
+        if (fs::path(file).extension() != ".h") continue;
+        const std::vector<std::string> lines = linesOf(sourceText("src/taut/" + file));
+        if (lines.size() < 2 || lines[0] != "#pragma once" || lines[1].rfind("///", 0) != 0) FAIL_CHECK(file);
+    }
+}
