@@ -21,12 +21,13 @@ Environment harshEnvironment(int width = 16, int height = 8, double rotation = 0
     e.height = height;
     e.rotation = rotation;
     e.constant = false;
+    e.texels.clear();
     for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x) {
             const bool black = x > width / 2 && x < width - 2;
             e.texels.emplace_back(black || y == height / 2 ? Vec3(0) : Vec3(uniform(random), uniform(random), uniform(random)));
         }
-    e.texels[static_cast<std::size_t>(3 * width + 2)] = Vec3(800, 900, 1000);
+    e.texels[static_cast<std::size_t>((height - 1) / 2 * width + 2)] = Vec3(800, 900, 1000);
     e.texels[1] = Vec3(30);
     buildSampling(e);
     return e;
@@ -121,7 +122,7 @@ TEST_CASE("an environment sample agrees with radiance() and samplePdf()", "[envi
     const DVec3 truth = overSphere(1500, [&](const Vec3 &w) { return radiance(e, w); });
     for (int c = 0; c < 3; ++c) CHECK(estimate[c] == Approx(truth[c]).epsilon(0.01));
     // The blurred texels' mean differs from the truth only by the cosine's curve within a row.
-    const DVec3 mean = DVec3(meanRadiance(harshEnvironment(64, 32))) * 2.0 * kTwoPi;
+    const DVec3 mean = DVec3(harshEnvironment(64, 32).mean) * 2.0 * kTwoPi;
     const Environment fine = harshEnvironment(64, 32);
     const DVec3 fineTruth = overSphere(1500, [&](const Vec3 &w) { return radiance(fine, w); });
     for (int c = 0; c < 3; ++c) CHECK(mean[c] == Approx(fineTruth[c]).epsilon(0.01));
@@ -210,11 +211,11 @@ TEST_CASE("a Radiance HDR file is read", "[environment]") {
     const std::string path = writeImage(folder, "half.hdr", 16, 8, 3, std::vector<float>(16 * 8 * 3, 0.5F), OIIO::TypeDesc::FLOAT);
     const Environment e = readEnvironment(path, 0, Vec3(1));
     CHECK(e.width == 16);
-    CHECK(meanRadiance(e).y == Approx(0.5).epsilon(0.01));
+    CHECK(e.mean.y == Approx(0.5).epsilon(0.01));
     if (const auto real = asset("hdr/studio_small_03_1k.hdr")) {
         const Environment studio = readEnvironment(*real, 0, Vec3(1));
         CHECK(studio.width == 1024);
-        CHECK(maxComponent(meanRadiance(studio)) > 0);
+        CHECK(maxComponent(studio.mean) > 0);
     }
 }
 
@@ -230,7 +231,7 @@ TEST_CASE("the built-in studio", "[environment]") {
     }
     CHECK(least >= 0.0499F);
     CHECK(most <= 12);
-    CHECK(most > 8);
-    CHECK(luminance(meanRadiance(e)) > 0.2F);
-    CHECK(luminance(meanRadiance(e)) < 2);
+    CHECK(most > 5);
+    CHECK(luminance(e.mean) > 0.2F);
+    CHECK(luminance(e.mean) < 2);
 }

@@ -151,7 +151,7 @@ GltfBuilder smallGltf() {
 
 /// Bytes of a small image in the format of the extension.
 std::string imageBytes(const std::string &extension) {
-    const std::string path = freshFolder("malformed_images_" + extension) + "/a." + extension;
+    const std::string path = freshFolder("malformed_images_" + std::to_string(getpid())) + "/a." + extension;
     Image image;
     image.window = {0, 0, 9, 5};
     image.width = 9;
@@ -159,7 +159,9 @@ std::string imageBytes(const std::string &extension) {
     image.channels = {"R", "G", "B"};
     for (int i = 0; i < 9 * 5 * 3; ++i) image.values.push_back(static_cast<float>(i % 17) / 17);
     writeImage(path, image, {});
-    return readBytes(path);
+    std::string bytes = readBytes(path);
+    fs::remove_all(fs::path(path).parent_path());
+    return bytes;
 }
 
 /// Radiance HDR, rows without run lengths.

@@ -2,9 +2,6 @@
 
 #include "mesh_samples.h"
 
-#include "taut/mesh/gltf.h"
-#include "taut/mesh/read_mesh.h"
-
 #include <functional>
 
 using namespace taut;

@@ -36,7 +36,8 @@ int main(int argc, char **argv) {
         return run();
     } catch (const CLI::ParseError &error) {
         if (error.get_exit_code() == 0) return app.exit(error); // --help, --version
-        return fail(kBadInput, (std::string(error.what()) + " (see taut --help)").c_str());
+        // An InputError is one line whatever was typed.
+        return fail(kBadInput, taut::InputError(std::string(error.what()) + " (see taut --help)").what());
     } catch (const taut::InputError &error) {
         return fail(kBadInput, error.what());
     } catch (const std::bad_alloc &) {

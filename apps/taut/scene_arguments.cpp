@@ -17,8 +17,12 @@ void addSceneArguments(CLI::App &command, SceneArguments &arguments) {
 
 Scene loadScene(const SceneArguments &arguments, bool quiet) {
     Warnings warnings;
-    Scene scene = taut::loadScene(arguments.scene, arguments.overrides, warnings);
-    if (!arguments.frames.empty()) scene.render.frames = parseFrameSet(arguments.frames, {"--frames"});
+    std::vector<std::string> overrides = arguments.overrides;
+    if (!arguments.frames.empty()) {
+        parseFrameSet(arguments.frames, {"--frames"}); // its own error, before the scene's
+        overrides.push_back("render.frames=\"" + arguments.frames + "\"");
+    }
+    Scene scene = taut::loadScene(arguments.scene, overrides, warnings);
     if (!quiet) printWarnings(warnings);
     return scene;
 }

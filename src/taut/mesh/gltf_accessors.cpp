@@ -59,8 +59,9 @@ Elements elementsOf(const GltfSource &source, int view, std::size_t byteOffset, 
     if (stride < elementBytes)
         failGltf(source.path, jsonPath("bufferViews", static_cast<std::size_t>(view)) + ".byteStride", std::to_string(stride),
                  "at least " + std::to_string(elementBytes) + ", the size of an element of " + where);
+    // Counts and strides are below 2^31 (checkGltfJson), so the product fits.
     const bool fits = byteOffset <= bytes.size() && elementBytes <= bytes.size() - byteOffset &&
-                      count - 1 <= (bytes.size() - byteOffset - elementBytes) / stride;
+                      (count - 1) * stride <= bytes.size() - byteOffset - elementBytes;
     if (!fits)
         failGltf(source.path, where,
                  std::to_string(count) + " elements of " + std::to_string(elementBytes) + " bytes, " + std::to_string(stride) +

@@ -98,7 +98,7 @@ std::vector<InfluenceSet> readInfluenceSets(const Primitive &primitive, std::siz
         if (!primitive.has(joints) && !primitive.has(weights)) return sets;
         for (const std::string &needed : {joints, weights})
             if (!primitive.has(needed))
-                failGltf(primitive.source.path, primitive.where + ".attributes", "no " + needed, joints + " and " + weights);
+                failGltf(primitive.source.path, primitive.where + ".attributes", "no " + needed, "JOINTS_n and WEIGHTS_n in pairs");
         InfluenceSet set;
         set.joints = accessorIndices(primitive.source, primitive.gltf.attributes.at(joints), 4, primitive.attributePath(joints));
         set.weights = accessorFloats(primitive.source, primitive.gltf.attributes.at(weights), 4, primitive.attributePath(weights));

@@ -4,8 +4,8 @@
 /// PLY, OFF and STL are parsed by OpenMesh, through an importer that fills our own structure, so polygons of any size and
 /// non-manifold meshes survive; a guard in front checks what OpenMesh takes on trust (header, counts against the file's
 /// length, list sizes), is what names the line or byte of a malformed file, and hands on what it has checked in the
-/// dialect that OpenMesh reads right (mesh_guard.h). OBJ is read here: OpenMesh's OBJ reader
-/// keeps no normal per corner and reports no position.
+/// dialect that OpenMesh reads right (mesh_guard.h). OBJ is read here: OpenMesh's OBJ reader keeps no normal per corner and
+/// reports no position.
 ///
 /// Names: a position that no face uses is kept. A face with fewer than three distinct corners is dropped with a warning.
 /// Not finite coordinates are errors. STL, which is a soup of triangles, is welded by exact position.

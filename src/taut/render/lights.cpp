@@ -17,7 +17,7 @@ float power(const LightEntry &entry, const LightTable &table) {
     const float strength = luminance(entry.radiance);
     const float disk = kPi * table.sceneRadius * table.sceneRadius;
     switch (entry.kind) {
-    case LightKind::Environment: return luminance(meanRadiance(*table.environment)) * kPi * disk;
+    case LightKind::Environment: return luminance(table.environment->mean) * kPi * disk;
     case LightKind::Quad:
     case LightKind::Mesh: return strength * kPi * entry.area * (entry.twoSided ? 2.0F : 1.0F);
     case LightKind::Sphere: return strength * kPi * 4 * kPi * entry.radius * entry.radius;

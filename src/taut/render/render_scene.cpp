@@ -149,7 +149,7 @@ void RenderScene::placeLights(const DMat4 &renderFromWorld) {
     lights_.worldFromRender = Mat3(DMat3(worldFromRender_));
     lights_.environment = nullptr;
     lights_.environmentEntry = kNone;
-    if (scene_->environment && meanRadiance(*scene_->environment) != Vec3(0)) {
+    if (scene_->environment && scene_->environment->mean != Vec3(0)) {
         lights_.environment = &*scene_->environment;
         lights_.environmentEntry = static_cast<Index>(lights_.entries.size());
         lights_.entries.push_back({});

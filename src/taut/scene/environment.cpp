@@ -37,65 +37,59 @@ Vec3 bilinearMean(const Environment &e, int column, int row) {
     return sum;
 }
 
-/// Vose's alias method (1991) for weights of which at least one is positive; entries of weight 0 are never drawn.
-void buildAlias(const std::vector<double> &weights, Environment::AliasEntry *out) {
-    const std::size_t count = weights.size();
+/// Cumulative sums and probabilities of weights; returns their total. All zero where the total is.
+double buildCumulative(const std::vector<double> &weights, Environment::TableEntry *out) {
     const double total = std::accumulate(weights.begin(), weights.end(), 0.0);
-    std::vector<double> scaled(count);
-    std::vector<Index> small;
-    std::vector<Index> large;
-    for (std::size_t i = 0; i < count; ++i) {
-        out[i].density = static_cast<float>(weights[i] / total);
-        scaled[i] = weights[i] / total * static_cast<double>(count);
-        (scaled[i] < 1 ? small : large).push_back(static_cast<Index>(i));
+    double sum = 0;
+    for (std::size_t i = 0; i < weights.size(); ++i) {
+        sum += weights[i];
+        out[i].cumulative = total > 0 ? sum / total : 0;
+        out[i].density = total > 0 ? static_cast<float>(weights[i] / total) : 0.0F;
     }
-    while (!small.empty() && !large.empty()) {
-        const Index s = small.back();
-        const Index l = large.back();
-        small.pop_back();
-        out[s].threshold = static_cast<float>(scaled[s]);
-        out[s].other = l;
-        scaled[l] -= 1 - scaled[s];
-        if (scaled[l] < 1) {
-            large.pop_back();
-            small.push_back(l);
-        }
-    }
-    // What rounding left over is 1 up to rounding, unless its weight is zero.
-    const Index heaviest = static_cast<Index>(std::max_element(weights.begin(), weights.end()) - weights.begin());
-    for (const Index i : large) out[i] = {1, i, out[i].density};
-    for (const Index i : small)
-        out[i] = weights[i] > 0 ? Environment::AliasEntry{1, i, out[i].density} : Environment::AliasEntry{0, heaviest, 0};
+    return total;
 }
 
 struct Drawn {
     int index;
-    double remainder; ///< uniform again in [0, 1)
+    float remainder; ///< uniform again in [0, 1)
 };
 
-Drawn draw(const Environment::AliasEntry *table, int count, float u) {
-    const double scaled = static_cast<double>(u) * count;
-    const int i = std::clamp(static_cast<int>(scaled), 0, count - 1);
-    const double fraction = std::clamp(scaled - i, 0.0, static_cast<double>(kOneMinusEpsilon));
-    const double threshold = table[i].threshold;
-    if (fraction < threshold) return {i, fraction / threshold};
-    return {static_cast<int>(table[i].other), (fraction - threshold) / (1 - threshold)};
+/// The entry that u falls into; entries of weight 0 are never drawn.
+Drawn draw(const Environment::TableEntry *entries, int count, float u) {
+    const double target = static_cast<double>(u) * entries[count - 1].cumulative;
+    const auto *found =
+        std::upper_bound(entries, entries + count, target, [](double x, const Environment::TableEntry &e) { return x < e.cumulative; });
+    const int i = std::min(static_cast<int>(found - entries), count - 1);
+    const double below = i == 0 ? 0 : entries[i - 1].cumulative;
+    const double share = entries[i].cumulative - below;
+    return {i, share > 0 ? std::clamp(static_cast<float>((target - below) / share), 0.0F, kOneMinusEpsilon) : 0.5F};
 }
 
-const Environment::AliasEntry *columnsOfRow(const Environment &e, int row) {
-    return e.alias.data() + e.height + static_cast<std::ptrdiff_t>(row) * e.width;
+const Environment::TableEntry *columnsOfRow(const Environment &e, int row) {
+    return e.table.data() + e.height + static_cast<std::ptrdiff_t>(row) * e.width;
 }
 
 /// Map coordinates (u, v) in [0, 1] of a world direction. theta from atan2, which keeps its digits at the poles.
-DVec2 mapCoordinates(const Environment &e, const Vec3 &world) {
-    const double azimuth = std::atan2(static_cast<double>(world.y), static_cast<double>(world.x)) - e.rotation;
-    const double u = 0.5 - azimuth / kTwoPi;
-    const double theta = std::atan2(std::hypot(static_cast<double>(world.x), static_cast<double>(world.y)), static_cast<double>(world.z));
-    return {u - std::floor(u), theta / (kTwoPi / 2)};
+Vec2 mapCoordinates(const Environment &e, const Vec3 &world) {
+    const float u = 0.5F - (std::atan2(world.y, world.x) - static_cast<float>(e.rotation)) / (2 * kPi);
+    return {u - std::floor(u), std::atan2(std::sqrt(world.x * world.x + world.y * world.y), world.z) * kInvPi};
+}
+
+/// Radiance at map coordinates, bilinear between texel centres.
+Vec3 bilinear(const Environment &e, const Vec2 &uv) {
+    const float x = uv.x * static_cast<float>(e.width) - 0.5F;
+    const float y = uv.y * static_cast<float>(e.height) - 0.5F;
+    const int column = static_cast<int>(std::floor(x));
+    const int row = static_cast<int>(std::floor(y));
+    const float fx = x - static_cast<float>(column);
+    const float fy = y - static_cast<float>(row);
+    const Vec3 upper = glm::mix(texelAt(e, column, row), texelAt(e, column + 1, row), fx);
+    const Vec3 lower = glm::mix(texelAt(e, column, row + 1), texelAt(e, column + 1, row + 1), fx);
+    return glm::mix(upper, lower, fy);
 }
 
 float densityOfTexel(const Environment &e, int column, int row) {
-    return e.alias[static_cast<std::size_t>(row)].density * columnsOfRow(e, row)[column].density;
+    return e.table[static_cast<std::size_t>(row)].density * columnsOfRow(e, row)[column].density;
 }
 
 constexpr float kUniformPdf = 0.25F * kInvPi;
@@ -134,83 +128,64 @@ Environment readEnvironment(const std::string &path, double rotation, const Vec3
 }
 
 void buildSampling(Environment &e) {
-    e.alias.clear();
+    e.table.clear();
+    e.mean = e.texels[0];
     if (e.constant) return;
     const std::size_t width = static_cast<std::size_t>(e.width);
     std::vector<double> rows(static_cast<std::size_t>(e.height));
     std::vector<double> columns(width);
-    e.alias.resize(rows.size() * (width + 1));
+    e.table.resize(rows.size() * (width + 1));
+    DVec3 sum(0);
     for (int row = 0; row < e.height; ++row) {
-        for (int column = 0; column < e.width; ++column)
-            columns[static_cast<std::size_t>(column)] = std::max(0.0F, luminance(bilinearMean(e, column, row)));
-        const double sum = std::accumulate(columns.begin(), columns.end(), 0.0);
-        rows[static_cast<std::size_t>(row)] = sum * solidAngleOfTexel(e, row);
-        Environment::AliasEntry *out = e.alias.data() + e.height + static_cast<std::ptrdiff_t>(row) * e.width;
-        if (sum > 0)
-            buildAlias(columns, out);
-        else
-            std::fill_n(out, e.width, Environment::AliasEntry{1, 0, 0});
+        DVec3 rowSum(0);
+        for (int column = 0; column < e.width; ++column) {
+            const Vec3 mean = bilinearMean(e, column, row);
+            rowSum += DVec3(mean);
+            columns[static_cast<std::size_t>(column)] = std::max(0.0F, luminance(mean));
+        }
+        sum += rowSum * solidAngleOfTexel(e, row);
+        Environment::TableEntry *out = e.table.data() + e.height + static_cast<std::ptrdiff_t>(row) * e.width;
+        rows[static_cast<std::size_t>(row)] = buildCumulative(columns, out) * solidAngleOfTexel(e, row);
     }
-    if (std::accumulate(rows.begin(), rows.end(), 0.0) > 0) {
-        buildAlias(rows, e.alias.data());
+    e.mean = Vec3(sum / (2 * kTwoPi));
+    if (buildCumulative(rows, e.table.data()) > 0) {
         for (int row = 0; row < e.height; ++row)
-            e.alias[static_cast<std::size_t>(row)].density /= static_cast<float>(solidAngleOfTexel(e, row));
+            e.table[static_cast<std::size_t>(row)].density /= static_cast<float>(solidAngleOfTexel(e, row));
     } else { // black: nothing to aim at
         e.width = e.height = 1;
         e.texels.assign(1, Vec3(0));
+        e.mean = Vec3(0);
         e.constant = true;
-        e.alias.clear();
+        e.table.clear();
     }
 }
 
 Vec3 radiance(const Environment &e, const Vec3 &w) {
-    if (e.constant) return e.texels[0];
-    const DVec2 uv = mapCoordinates(e, w);
-    const double x = uv.x * e.width - 0.5;
-    const double y = uv.y * e.height - 0.5;
-    const int column = static_cast<int>(std::floor(x));
-    const int row = static_cast<int>(std::floor(y));
-    const float fx = static_cast<float>(x - column);
-    const float fy = static_cast<float>(y - row);
-    const Vec3 upper = glm::mix(texelAt(e, column, row), texelAt(e, column + 1, row), fx);
-    const Vec3 lower = glm::mix(texelAt(e, column, row + 1), texelAt(e, column + 1, row + 1), fx);
-    return glm::mix(upper, lower, fy);
+    return e.constant ? e.texels[0] : bilinear(e, mapCoordinates(e, w));
 }
 
 float samplePdf(const Environment &e, const Vec3 &w) {
     if (e.constant) return kUniformPdf;
-    const DVec2 uv = mapCoordinates(e, w);
-    const int column = std::clamp(static_cast<int>(uv.x * e.width), 0, e.width - 1);
-    const int row = std::clamp(static_cast<int>(uv.y * e.height), 0, e.height - 1);
+    const Vec2 uv = mapCoordinates(e, w);
+    const int column = std::clamp(static_cast<int>(uv.x * static_cast<float>(e.width)), 0, e.width - 1);
+    const int row = std::clamp(static_cast<int>(uv.y * static_cast<float>(e.height)), 0, e.height - 1);
     return densityOfTexel(e, column, row);
 }
 
 EnvironmentSample sample(const Environment &e, const Vec2 &u) {
-    const auto directionAt = [](double z, double azimuth) {
-        const double r = std::sqrt(std::max(0.0, (1 - z) * (1 + z)));
-        return Vec3(static_cast<float>(r * std::cos(azimuth)), static_cast<float>(r * std::sin(azimuth)), static_cast<float>(z));
+    const auto directionAt = [](float z, float azimuth) {
+        const float r = std::sqrt(std::max(0.0F, (1 - z) * (1 + z)));
+        return Vec3(r * std::cos(azimuth), r * std::sin(azimuth), z);
     };
-    if (e.constant) return {directionAt(1 - 2 * static_cast<double>(u.y), kTwoPi * u.x), e.texels[0], kUniformPdf};
-    const Drawn row = draw(e.alias.data(), e.height, u.y);
+    if (e.constant) return {directionAt(1 - 2 * u.y, 2 * kPi * u.x), e.texels[0], kUniformPdf};
+    const Drawn row = draw(e.table.data(), e.height, u.y);
     const Drawn column = draw(columnsOfRow(e, row.index), e.width, u.x);
-    const double z = glm::mix(cosAtRow(row.index, e.height), cosAtRow(row.index + 1, e.height), row.remainder);
-    const double azimuth = e.rotation + kTwoPi * (0.5 - (column.index + column.remainder) / e.width);
-    const Vec3 direction = directionAt(z, azimuth);
-    // The density of the direction as rounded, so that it agrees with what samplePdf() says of it; on the far side of a
-    // texel's edge that may be zero.
-    const float rounded = samplePdf(e, direction);
-    return {direction, radiance(e, direction), rounded > 0 ? rounded : densityOfTexel(e, column.index, row.index)};
-}
-
-Vec3 meanRadiance(const Environment &e) {
-    if (e.constant) return e.texels[0];
-    DVec3 sum(0);
-    for (int row = 0; row < e.height; ++row) {
-        DVec3 rowSum(0);
-        for (int column = 0; column < e.width; ++column) rowSum += DVec3(bilinearMean(e, column, row));
-        sum += rowSum * solidAngleOfTexel(e, row);
-    }
-    return Vec3(sum / (2 * kTwoPi));
+    const double upper = cosAtRow(row.index, e.height);
+    const double lower = cosAtRow(row.index + 1, e.height);
+    const float z = static_cast<float>(glm::mix(upper, lower, static_cast<double>(row.remainder)));
+    const float across = (static_cast<float>(column.index) + column.remainder) / static_cast<float>(e.width);
+    const Vec3 direction = directionAt(z, static_cast<float>(e.rotation) + 2 * kPi * (0.5F - across));
+    return {direction, radiance(e, direction), densityOfTexel(e, column.index, row.index)};
 }
 
 } // namespace taut

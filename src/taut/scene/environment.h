@@ -21,15 +21,15 @@ struct Environment {
     bool cameraVisible = true;
     bool constant = true; ///< one texel: radiance is texels[0] everywhere, sampled uniformly
 
-    /// Importance sampling, filled by buildSampling(): alias tables by luminance * solid angle, one over the rows and one
-    /// over the columns within each row. (One table over all texels would leave a 24-bit random number too few bits for
-    /// the place within the texel.)
-    struct AliasEntry {
-        float threshold = 1; ///< keep the entry below it, take `other` above
-        Index other = 0;
-        float density = 1; ///< rows: P(row) / solid angle of one texel there, 1/sr; columns: P(column | row)
+    Vec3 mean{1}; ///< radiance averaged over the sphere, for choosing between lights
+
+    /// Importance sampling, filled by buildSampling(): inverse cumulative tables by luminance * solid angle, one over the rows and
+    /// one over the columns within each row. They keep stratified points stratified, where an alias table would scatter them.
+    struct TableEntry {
+        double cumulative = 0; ///< up to and including this entry; the last is 1
+        float density = 0;     ///< rows: P(row) / solid angle of one texel there, 1/sr; columns: P(column | row)
     };
-    std::vector<AliasEntry> alias; ///< [height] rows, then [height][width] columns; empty where constant
+    std::vector<TableEntry> table; ///< [height] rows, then [height][width] columns; empty where constant
 };
 
 struct EnvironmentSample {
@@ -60,8 +60,5 @@ Vec3 radiance(const Environment &environment, const Vec3 &w);
 float samplePdf(const Environment &environment, const Vec3 &w);
 
 EnvironmentSample sample(const Environment &environment, const Vec2 &u);
-
-/// The mean radiance over the sphere, for choosing between lights.
-Vec3 meanRadiance(const Environment &environment);
 
 } // namespace taut

@@ -6,7 +6,11 @@
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <cstdio>
 #include <cstring>
 #include <memory>
 
@@ -135,11 +139,34 @@ Vec4 texelAt(const Texture &texture, int x, int y) {
     return {t[0], t[1], t[2], texture.channels == 4 ? t[3] : 1.0F};
 }
 
+/// Sends standard error nowhere while it lives: libpng and libjpeg print their complaints there before they fail, and what is
+/// wrong with a file is said once, in one line, by us. Textures are read before any thread renders.
+class QuietStderr {
+  public:
+    QuietStderr() : saved_(dup(STDERR_FILENO)) {
+        const int nowhere = open("/dev/null", O_WRONLY);
+        if (saved_ >= 0 && nowhere >= 0) dup2(nowhere, STDERR_FILENO);
+        if (nowhere >= 0) close(nowhere);
+    }
+    ~QuietStderr() {
+        if (saved_ < 0) return;
+        std::fflush(stderr);
+        dup2(saved_, STDERR_FILENO);
+        close(saved_);
+    }
+    QuietStderr(const QuietStderr &) = delete;
+    QuietStderr &operator=(const QuietStderr &) = delete;
+
+  private:
+    int saved_;
+};
+
 Texture decodeFile(const std::string &name, std::string_view bytes, ColorSpace space) {
     const Location where{name, 0, 0, -1};
     const char *plugin = pluginOf(bytes);
     if (plugin == nullptr)
         failInput(where, bytes.empty() ? "an empty file" : "a file of another format", "a PNG, JPEG, OpenEXR, HDR or TIFF image");
+    const QuietStderr quiet;
     try {
         OIIO::Filesystem::IOMemReader reader(bytes.data(), bytes.size());
         const auto input = OIIO::ImageInput::create(plugin);
