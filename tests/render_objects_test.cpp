@@ -1,0 +1,124 @@
+/// Cameras, textures, subdivided meshes and sequences, through the renderer.
+
+#include "assets.h"
+#include "render_fixtures.h"
+
+#include "taut/mesh/write_mesh.h"
+#include "taut/scene/load_scene.h"
+
+#include <catch2/catch.hpp>
+
+#include <fstream>
+
+using namespace taut;
+using namespace taut::test;
+
+TEST_CASE("A thin lens spreads a point over its circle of confusion", "[render][camera]") {
+    Scene scene;
+    scene.render.width = scene.render.height = 64;
+    scene.render.boxFilter = true;
+    scene.materials = {Material{}};
+    scene.objects = {makeObject(makeSphere(16, 8, 0.002F))};
+    scene.objects[0].emission.value = Vec3(1);
+    scene.camera.position = DVec3(0, -2, 0);
+    scene.camera.fovY = 0.2;
+    scene.camera.focusDistance = 1;
+    const auto spread = [&](double aperture) {
+        scene.camera.apertureRadius = aperture;
+        const std::vector<float> image = renderImage(scene, 1, 1024);
+        double weight = 0;
+        double moment = 0;
+        for (int y = 0; y < 64; ++y)
+            for (int x = 0; x < 64; ++x) {
+                const double value = static_cast<double>(image[static_cast<std::size_t>((y * 64 + x) * 4)]);
+                weight += value;
+                moment += value * ((x - 31.5) * (x - 31.5) + (y - 31.5) * (y - 31.5));
+            }
+        CHECK(weight > 0);
+        return moment / weight;
+    };
+    // A point at depth 2 seen through a lens of radius r focused at 1 covers a disk of radius r (2 - 1) / 2 in the plane of focus;
+    // the mean square distance in a disk is half its radius squared.
+    const double pixel = 2 * std::tan(0.1) / 64;
+    const double radius = 0.05 * 0.5 / pixel;
+    CHECK(spread(0.05) == Approx(radius * radius / 2).epsilon(0.03));
+    CHECK(spread(0) < 1);
+}
+
+TEST_CASE("Textured alpha, rotation and colour are what their texels say", "[render][texture]") {
+    const Scene plain = smallScene(makeObject(makeGrid(4, 4, 1.5F)), ggxMaterial(0.1F, 0.3F, 0.6F));
+    Scene textured = plain;
+    Texture half;
+    half.width = half.height = 2;
+    half.channels = 1;
+    half.texels.assign(4, 0.5F);
+    textured.textures = {half};
+    Material &material = textured.materials[0];
+    material.alphaX = {0.2F, 0, 0};
+    material.alphaY = {0.6F, 0, 0};
+    material.rotation = {1.2F, 0, 0};
+    material.color = {Vec3(2), 0};
+    CHECK(greatestDifference(renderImage(plain, 1, 16), renderImage(textured, 1, 16)) < 1e-4F);
+}
+
+TEST_CASE("A subdivided mesh is at rest where it is not deformed, and follows where it is", "[render][subdivision]") {
+    Object torus = makeObject(makeTorus(12, 8, 0.8F, 0.3F));
+    torus.subdivision = 3;
+    const auto stretchRange = [](const Object &object) {
+        Scene scene = smallScene(object, ggxMaterial(0.2F, 0.2F));
+        RenderScene ready(scene, false);
+        StageTimes times;
+        ready.setFrame(1, times);
+        const SurfaceFrame &frame = ready.objects()[0].frame;
+        Vec2 range(kInfinity, 0);
+        for (std::size_t v = 0; v < frame.ds.size(); ++v) {
+            const float a = glm::length(frame.ds[v]);
+            const float b = glm::dot(frame.ds[v], frame.dt[v]) / a;
+            const Vec2 sigma = singularValues(a, b, 0, std::sqrt(std::fmax(0.0F, glm::dot(frame.dt[v], frame.dt[v]) - b * b)));
+            range = {std::fmin(range.x, sigma.y), std::fmax(range.y, sigma.x)};
+        }
+        return range;
+    };
+    const Vec2 rest = stretchRange(torus);
+    CHECK(rest.x == Approx(1).epsilon(1e-3));
+    CHECK(rest.y == Approx(1).epsilon(1e-3));
+    torus.deformers = {stretchDeformer(DVec3(2, 2, 2))};
+    const Vec2 doubled = stretchRange(torus);
+    CHECK(doubled.x == Approx(2).epsilon(1e-3));
+    CHECK(doubled.y == Approx(2).epsilon(1e-3));
+    torus.deformers = {shearDeformer(1.0, 0, 2)};
+    CHECK(stretchRange(torus).y > 1.3F);
+}
+
+TEST_CASE("A sequence of OBJ files moves, interpolates and carries its stretch", "[render][sequence]") {
+    const std::string folder = outputFolder("sequence");
+    for (const int frame : {1, 3}) {
+        Mesh mesh = makeGrid(6, 6, 1);
+        for (Vec3 &p : mesh.positions) p.x *= static_cast<float>(frame); // stretched by 1 and 3, so by 2 between
+        writeObj(mesh, folder + "/sheet.000" + std::to_string(frame) + ".obj");
+    }
+    std::ofstream(folder + "/scene.toml") << "[[mesh]]\nfile = \"sheet.####.obj\"\n";
+    Warnings warnings;
+    const Scene scene = loadScene(folder + "/scene.toml", {}, warnings);
+    RenderScene ready(scene, true);
+    StageTimes times;
+    for (const auto &[frame, stretch] : {std::pair(1.0, 1.0F), std::pair(2.0, 2.0F), std::pair(3.0, 3.0F), std::pair(2.5, 2.5F)}) {
+        ready.setFrame(frame, times);
+        for (const Vec3 &ds : ready.objects()[0].frame.ds) REQUIRE(glm::length(ds) == Approx(stretch).epsilon(1e-4));
+        for (const Vec3 &dt : ready.objects()[0].frame.dt) REQUIRE(glm::length(dt) == Approx(1).epsilon(1e-4));
+    }
+}
+
+TEST_CASE("A captured sequence renders", "[render][sequence]") {
+    const auto first = asset("seq/kick_obj/kick.0000.obj");
+    if (!first) return;
+    std::string pattern = *first;
+    pattern.replace(pattern.find("0000"), 4, "####");
+    Warnings warnings;
+    const Scene scene = loadScene(pattern, {"render.width=48", "render.height=64", "mesh.0.up=\"y\""}, warnings);
+    CHECK(warnings.lines.empty());
+    for (const double frame : {0.0, 4.5, 12.0}) {
+        const std::vector<float> image = renderImage(scene, frame, 4);
+        CHECK(std::all_of(image.begin(), image.end(), [](float v) { return std::isfinite(v); }));
+    }
+}
