@@ -14,6 +14,8 @@
 #   OUTDIR/demo.mp4            the pairs as a film, where ffmpeg is present
 #
 # Needs oiiotool (Debian: openimageio-tools). Labels want fonts-dejavu-core and are left out without it.
+# brushed.png, the lines on the metal, was made by
+#   oiiotool --pattern noise:type=gaussian:mean=0.8:stddev=0.075:mono=1:seed=7 384x6 1 --clamp:min=0.55:max=1 -d uint8 -o brushed.png
 set -euo pipefail
 
 fail() {
@@ -27,6 +29,7 @@ out=$2
 scenes=$(dirname "${BASH_SOURCE[0]}")
 [ -x "$taut" ] || fail "no program $taut: run make first"
 command -v oiiotool >/dev/null || fail "oiiotool is missing: apt-get install openimageio-tools"
+[ $# = 2 ] || command -v ffmpeg >/dev/null || fail "ffmpeg is missing: apt-get install ffmpeg"
 mkdir -p "$out/frames/follow" "$out/frames/fixed" "$out/pair"
 
 say() { printf '[%3d s] %s\n' "$SECONDS" "$*"; }
@@ -45,8 +48,8 @@ paste() {                                                                   # fi
     if [ $# = 5 ]; then canvas+=(--resize "$4x$5"); fi
     canvas+=(--swap --paste "+$2+$3")
 }
-label() { # text x y size [left|center]
-    if [ -n "$font" ]; then canvas+=("--text:x=$2:y=$3:size=$4:font=$font:color=$ink:xalign=${5:-center}:yalign=center" "$1"); fi
+label() { # text x y size, centred at (x, y)
+    if [ -n "$font" ]; then canvas+=("--text:x=$2:y=$(($3 + $4 / 3)):size=$4:font=$font:color=$ink:xalign=center" "$1"); fi
 }
 save() { oiiotool "${canvas[@]}" -d uint8 --compression zip:9 -o "$1"; }
 
@@ -130,7 +133,7 @@ contact() {
 
 # picture FILE: three columns, at rest, following, held fixed.
 picture() {
-    newCanvas 1400 1096
+    newCanvas 1400 1076
     labels 20 20 466 "at rest" "deformed: $follows" "deformed: $held"
     local y=40 name height
     for name in panel body; do
@@ -142,7 +145,7 @@ picture() {
         y=$((y + height + 1))
     done
     row follow plates $y 350 331 1 2 3 4
-    labels $((y + 331 + 31)) 18 350 "${matrices[@]}"
+    labels $((y + 331 + 20)) 18 350 "${matrices[@]}"
     save "$1"
 }
 
@@ -150,7 +153,10 @@ if [ $# = 3 ]; then
     for name in panel body; do render $name --frames 1,24 --spp 256; done
     render plates --spp 256
     mkdir -p "$(dirname "$3")"
-    picture "$3"
+    picture "$out/picture.png"
+    # 256 colours are enough for grey metal and halve the file.
+    ffmpeg -nostdin -loglevel error -y -i "$out/picture.png" \
+        -vf 'split[a][b];[a]palettegen=stats_mode=single[p];[b][p]paletteuse=dither=none' -frames:v 1 "$3"
     say "wrote $3"
     exit
 fi

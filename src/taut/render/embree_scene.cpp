@@ -1,8 +1,7 @@
 #include "taut/render/embree_scene.h"
 
 #include "taut/base/error.h"
-
-#include <embree3/rtcore.h>
+#include "taut/render/embree_packets.h"
 
 #include <array>
 #include <string>
@@ -26,20 +25,7 @@ void intersectPacket(RTCScene scene, std::span<const Ray> rays, std::size_t begi
     for (std::size_t i = 0; i < N; ++i) {
         const Ray &ray = rays[begin + std::min(i, count - 1)];
         valid[i] = i < count ? -1 : 0;
-        packet.ray.org_x[i] = ray.origin.x;
-        packet.ray.org_y[i] = ray.origin.y;
-        packet.ray.org_z[i] = ray.origin.z;
-        packet.ray.dir_x[i] = ray.direction.x;
-        packet.ray.dir_y[i] = ray.direction.y;
-        packet.ray.dir_z[i] = ray.direction.z;
-        packet.ray.tnear[i] = ray.nearest;
-        packet.ray.tfar[i] = ray.farthest;
-        packet.ray.time[i] = 0;
-        packet.ray.mask[i] = 0xffffffffU;
-        packet.ray.id[i] = 0;
-        packet.ray.flags[i] = 0;
-        packet.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
-        packet.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+        setLane(packet, i, ray);
     }
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
@@ -117,21 +103,7 @@ void EmbreeScene::occluded(std::span<const Ray> rays, std::span<unsigned char> b
     rtcInitIntersectContext(&context);
     for (std::size_t begin = 0; begin < rays.size(); begin += kStream) {
         const std::size_t count = std::min(kStream, rays.size() - begin);
-        for (std::size_t i = 0; i < count; ++i) {
-            const Ray &ray = rays[begin + i];
-            stream[i] = {ray.origin.x,
-                         ray.origin.y,
-                         ray.origin.z,
-                         ray.nearest,
-                         ray.direction.x,
-                         ray.direction.y,
-                         ray.direction.z,
-                         0,
-                         ray.farthest,
-                         0xffffffffU,
-                         0,
-                         0};
-        }
+        for (std::size_t i = 0; i < count; ++i) stream[i] = shadowRay(rays[begin + i]);
         rtcOccluded1M(state_->scene, &context, stream.data(), static_cast<unsigned>(count), sizeof(RTCRay));
         for (std::size_t i = 0; i < count; ++i) blocked[begin + i] = stream[i].tfar < 0 ? 1 : 0;
     }

@@ -1,8 +1,7 @@
 #include "taut/render/replay.h"
 
 #include "taut/base/parallel.h"
-
-#include <embree3/rtcore.h>
+#include "taut/render/embree_packets.h"
 
 #include <algorithm>
 #include <chrono>
@@ -28,25 +27,7 @@ template <class Prepare, class Run> double quickest(int repetitions, const Prepa
 
 template <int N, class Packet> std::vector<Packet> makePackets(const std::vector<Ray> &rays) {
     std::vector<Packet> packets((rays.size() + N - 1) / N);
-    for (std::size_t i = 0; i < packets.size() * N; ++i) {
-        const Ray &ray = rays[std::min(i, rays.size() - 1)];
-        Packet &packet = packets[i / N];
-        const std::size_t lane = i % N;
-        packet.ray.org_x[lane] = ray.origin.x;
-        packet.ray.org_y[lane] = ray.origin.y;
-        packet.ray.org_z[lane] = ray.origin.z;
-        packet.ray.dir_x[lane] = ray.direction.x;
-        packet.ray.dir_y[lane] = ray.direction.y;
-        packet.ray.dir_z[lane] = ray.direction.z;
-        packet.ray.tnear[lane] = ray.nearest;
-        packet.ray.tfar[lane] = ray.farthest;
-        packet.ray.time[lane] = 0;
-        packet.ray.mask[lane] = 0xffffffffU;
-        packet.ray.id[lane] = 0;
-        packet.ray.flags[lane] = 0;
-        packet.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
-        packet.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
-    }
+    for (std::size_t i = 0; i < packets.size() * N; ++i) setLane(packets[i / N], i % N, rays[std::min(i, rays.size() - 1)]);
     return packets;
 }
 
@@ -72,9 +53,7 @@ double replayPackets(RTCScene scene, const std::vector<Ray> &rays, bool coherent
 double replayStream(RTCScene scene, const std::vector<Ray> &rays, int repetitions) {
     std::vector<RTCRay> original;
     original.reserve(rays.size());
-    for (const Ray &ray : rays)
-        original.push_back({ray.origin.x, ray.origin.y, ray.origin.z, ray.nearest, ray.direction.x, ray.direction.y, ray.direction.z, 0,
-                            ray.farthest, 0xffffffffU, 0, 0});
+    for (const Ray &ray : rays) original.push_back(shadowRay(ray));
     std::vector<RTCRay> stream;
     return quickest(
         repetitions, [&] { stream = original; },
