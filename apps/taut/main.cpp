@@ -3,6 +3,7 @@
 
 #include "commands.h"
 
+#include <algorithm>
 #include <exception>
 #include <iostream>
 #include <new>
@@ -15,6 +16,15 @@ constexpr int kBadInput = 2;
 int fail(int code, const char *what) {
     std::cerr << "taut: error: " << what << std::endl;
     return code;
+}
+
+/// An unknown subcommand is answered with the nearest one, as unknown keys are.
+void checkSubcommand(const CLI::App &app, int argc, char **argv) {
+    if (argc < 2 || argv[1][0] == '-') return;
+    std::vector<std::string> names;
+    for (const CLI::App *command : app.get_subcommands([](const CLI::App *) { return true; })) names.push_back(command->get_name());
+    if (std::find(names.begin(), names.end(), argv[1]) == names.end())
+        taut::failUnknownName({"subcommand"}, argv[1], std::vector<std::string_view>(names.begin(), names.end()));
 }
 
 } // namespace
@@ -31,6 +41,7 @@ int main(int argc, char **argv) {
     taut::app::addRender(app, run);
     taut::app::addInfo(app, run);
     try {
+        checkSubcommand(app, argc, argv);
         app.parse(argc, argv);
         if (!run) return fail(kBadInput, "found no subcommand, expected render or info (see taut --help)");
         return run();
