@@ -256,6 +256,42 @@ TEST_CASE("Light sampling and scattered rays agree: every light type gives the s
     CHECK(centre() == Approx(1 / 3.14159265).epsilon(1e-3));
 }
 
+TEST_CASE("Many lights together are the sum of each alone", "[render][mis]") {
+    const Scene all = [] {
+        Scene scene = smallScene(makeObject(makeTorus(48, 24, 0.7F, 0.3F)), ggxMaterial(0.15F, 0.3F), 20);
+        Light sphere;
+        sphere.type = LightType::Sphere;
+        sphere.corner = DVec3(0.8, -0.9, 0.9);
+        sphere.radius = 0.1;
+        sphere.radiance = Vec3(20);
+        Light point;
+        point.type = LightType::Point;
+        point.corner = DVec3(-1, -1, 0.6);
+        Light sun;
+        sun.type = LightType::Directional;
+        sun.direction = glm::normalize(DVec3(0.3, 0.5, -1));
+        scene.lights.insert(scene.lights.end(), {sphere, point, sun});
+        return scene;
+    }();
+    const auto mean = [](const Scene &scene) {
+        const std::vector<float> image = renderImage(scene, 1, 1024);
+        double sum = 0;
+        for (std::size_t p = 0; p < image.size(); p += 4) sum += static_cast<double>(image[p]);
+        return sum / (20 * 20);
+    };
+    double apart = 0;
+    for (std::size_t only = 0; only <= all.lights.size(); ++only) { // the last is the environment
+        Scene one = all;
+        one.lights.clear();
+        if (only < all.lights.size()) {
+            one.lights = {all.lights[only]};
+            one.environment.reset();
+        }
+        apart += mean(one);
+    }
+    CHECK(mean(all) == Approx(apart).epsilon(4e-3));
+}
+
 TEST_CASE("Smooth glass in a furnace is invisible", "[render][furnace]") {
     Material glass;
     glass.type = MaterialType::Dielectric;

@@ -109,12 +109,6 @@ void EmbreeScene::occluded(std::span<const Ray> rays, std::span<unsigned char> b
     }
 }
 
-Bounds EmbreeScene::bounds() const {
-    RTCBounds box;
-    rtcGetSceneBounds(state_->scene, &box);
-    return {{box.lower_x, box.lower_y, box.lower_z}, {box.upper_x, box.upper_y, box.upper_z}};
-}
-
 void *EmbreeScene::native() const {
     return state_->scene;
 }

@@ -1,7 +1,6 @@
 #pragma once
 /// The Embree scene of a render: made once, its vertex buffers updated every frame.
 
-#include "taut/mesh/mesh.h"
 #include "taut/render/ray_batch.h"
 
 #include <memory>
@@ -33,8 +32,6 @@ class EmbreeScene {
 
     /// True at i where ray i meets anything in [nearest, farthest].
     void occluded(std::span<const Ray> rays, std::span<unsigned char> blocked) const;
-
-    [[nodiscard]] Bounds bounds() const;
 
     /// Embree's own handle (RTCScene), for measuring bare calls.
     [[nodiscard]] void *native() const;

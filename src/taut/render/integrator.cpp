@@ -85,7 +85,8 @@ struct PathTracer::State {
     [[nodiscard]] Ray cameraRay(const Path &path) const;
     void shadeAll(int event, const std::vector<Aov> &wanted, int aovChannels);
     void escape(Path &path, const Ray &ray) const;
-    void addLightHit(Path &path, const Ray &ray, const LightHit &hit) const;
+    /// Adds the quad and sphere lights on a ray's way; true where a camera ray ends on one.
+    bool meetLights(Path &path, const Ray &ray, float farthest) const;
     void shade(int event, Index index, const Ray &ray, const Hit &hit, const std::vector<Aov> &wanted, int aovChannels);
     void connectLight(int event, Index index, const SurfacePoint &point, const ScatteringPoint &scattering);
     void testShadows();
@@ -144,19 +145,31 @@ void PathTracer::State::escape(Path &path, const Ray &ray) const {
         path.alpha = 1;
         return;
     }
-    const float weight = powerHeuristic(path.scatterPdf, environmentPdf(lights, ray.direction));
+    const float weight = powerHeuristic(path.scatterPdf, environmentPdf(lights, ray.origin, ray.direction));
     path.radiance += path.throughput * environmentRadiance(lights, ray.direction) * weight;
 }
 
-void PathTracer::State::addLightHit(Path &path, const Ray &ray, const LightHit &hit) const {
-    const LightEntry &entry = scene.lights().entries[hit.entry];
-    if (path.scatterPdf == 0) {
-        path.radiance += path.throughput * entry.radiance;
-        path.alpha = 1;
-        return;
+bool PathTracer::State::meetLights(Path &path, const Ray &ray, float farthest) const {
+    const LightTable &lights = scene.lights();
+    const bool cameraRay = path.scatterPdf == 0;
+    LightHit nearest;
+    nearest.t = farthest;
+    for (Index i = 0; i < lights.entries.size(); ++i) {
+        const LightEntry &entry = lights.entries[i];
+        if (cameraRay && !entry.cameraVisible) continue;
+        const LightHit hit = intersectLight(lights, i, ray.origin, ray.direction, nearest.t);
+        if (hit.entry == kNone) continue;
+        if (cameraRay) {
+            nearest = hit;
+            continue;
+        }
+        const float weight = powerHeuristic(path.scatterPdf, lightHitPdf(lights, i, ray.origin, hit.t, hit.absCosine));
+        path.radiance += path.throughput * entry.radiance * weight;
     }
-    const float weight = powerHeuristic(path.scatterPdf, lightHitPdf(entry, ray.origin, hit.t, hit.absCosine));
-    path.radiance += path.throughput * entry.radiance * weight;
+    if (nearest.entry == kNone) return false;
+    path.radiance += path.throughput * lights.entries[nearest.entry].radiance;
+    path.alpha = 1;
+    return true;
 }
 
 void PathTracer::State::connectLight(int event, Index index, const SurfacePoint &point, const ScatteringPoint &scattering) {
@@ -194,7 +207,7 @@ void PathTracer::State::shade(int event, Index index, const Ray &ray, const Hit 
         float weight = 1;
         if (path.scatterPdf > 0 && entry != kNone) {
             const float cosine = std::fabs(glm::dot(point.geometricNormal, ray.direction));
-            weight = powerHeuristic(path.scatterPdf, lightHitPdf(scene.lights().entries[entry], ray.origin, hit.t, cosine));
+            weight = powerHeuristic(path.scatterPdf, lightHitPdf(scene.lights(), entry, ray.origin, hit.t, cosine));
         }
         path.radiance += path.throughput * point.emission * weight;
     }
@@ -232,10 +245,8 @@ void PathTracer::State::shadeAll(int event, const std::vector<Aov> &wanted, int 
     shadowTests.clear();
     for (std::size_t i = 0; i < active.size(); ++i) {
         Path &path = paths[active[i]];
-        const LightHit light = intersectLights(scene.lights(), rays[i].origin, rays[i].direction, hits[i].t, path.scatterPdf == 0);
-        if (light.entry != kNone)
-            addLightHit(path, rays[i], light);
-        else if (hits[i].geometry == kNone)
+        if (meetLights(path, rays[i], hits[i].t)) continue;
+        if (hits[i].geometry == kNone)
             escape(path, rays[i]);
         else
             shade(event, active[i], rays[i], hits[i], wanted, aovChannels);

@@ -10,22 +10,40 @@ namespace taut {
 namespace {
 
 /// Share of the choice that is spread evenly over the lights.
-constexpr float kEvenShare = 0.25F;
+constexpr float kEvenShare = 0.1F;
 
-/// Power a light sends into the scene, up to a common factor.
-float power(const LightEntry &entry, const LightTable &table) {
+/// Irradiance that an unoccluded light could cause at a point, up to a common factor and the receiver's cosine. Zero only where
+/// the light can send nothing.
+float importance(const LightEntry &entry, const LightTable &table, const Vec3 &point) {
     const float strength = luminance(entry.radiance);
-    const float disk = kPi * table.sceneRadius * table.sceneRadius;
+    const auto overDistance2 = [&](const Vec3 &from) {
+        const Vec3 d = from - point;
+        return 1 / std::fmax(glm::dot(d, d), 1e-20F);
+    };
     switch (entry.kind) {
-    case LightKind::Environment: return luminance(table.environment->mean) * kPi * disk;
+    case LightKind::Environment: return luminance(table.environment->mean) * kPi;
     case LightKind::Quad:
-    case LightKind::Mesh: return strength * kPi * entry.area * (entry.twoSided ? 2.0F : 1.0F);
-    case LightKind::Sphere: return strength * kPi * 4 * kPi * entry.radius * entry.radius;
-    case LightKind::Directional: return strength * disk;
-    case LightKind::Point: return strength * 4 * kPi;
-    case LightKind::Spot: return strength * 2 * kPi * (1 - 0.5F * (entry.cosInner + entry.cosOuter));
+        if (!entry.twoSided && glm::dot(point - entry.origin, entry.direction) <= 0) return 0;
+        [[fallthrough]];
+    case LightKind::Mesh: return strength * std::fmin(2 * kPi, entry.area * overDistance2(entry.centre));
+    case LightKind::Sphere: return strength * kPi * std::fmin(2.0F, sqr(entry.radius) * overDistance2(entry.origin));
+    case LightKind::Directional: return strength;
+    case LightKind::Point:
+    case LightKind::Spot: return strength * overDistance2(entry.origin);
     }
     return 0;
+}
+
+/// Probability of an entry of importance `own` among entries of importance `total`.
+float probabilityOf(float own, float total, std::size_t count) {
+    const float even = 1 / static_cast<float>(count);
+    return total > 0 && std::isfinite(total) ? kEvenShare * even + (1 - kEvenShare) * own / total : even;
+}
+
+float totalImportance(const LightTable &table, const Vec3 &point) {
+    float total = 0;
+    for (const LightEntry &entry : table.entries) total += importance(entry, table, point);
+    return total;
 }
 
 /// Converts a point sampled uniformly by area into a solid-angle sample.
@@ -39,7 +57,7 @@ LightSample fromArea(const LightEntry &entry, const Vec3 &point, const Vec3 &onL
     const float cosine = -glm::dot(normal, s.direction);
     if (!(entry.twoSided ? cosine != 0 : cosine > 0)) return s;
     s.radiance = entry.radiance;
-    s.pdf = entry.pmf * distance2 / (std::fabs(cosine) * entry.area);
+    s.pdf = distance2 / (std::fabs(cosine) * entry.area);
     return s;
 }
 
@@ -66,7 +84,7 @@ LightSample sampleSphere(const LightEntry &entry, const Vec3 &point, const Vec2 
     const float discriminant = sqr(entry.radius) - (glm::dot(toCentre, toCentre) - along * along);
     s.distance = along - std::sqrt(std::fmax(0.0F, discriminant));
     s.radiance = entry.radiance;
-    s.pdf = entry.pmf / (2 * kPi * cap);
+    s.pdf = 1 / (2 * kPi * cap);
     return s;
 }
 
@@ -100,101 +118,97 @@ LightSample sampleSpotOrPoint(const LightEntry &entry, const Vec3 &point) {
         fade = sqr(glm::clamp((cosine - entry.cosOuter) / std::fmax(1e-4F, entry.cosInner - entry.cosOuter), 0.0F, 1.0F));
     }
     s.radiance = entry.radiance * (fade / distance2);
-    s.pdf = fade > 0 ? entry.pmf : 0;
+    s.pdf = fade > 0 ? 1.0F : 0.0F;
     s.delta = true;
     return s;
 }
 
-} // namespace
-
-void finishLightTable(LightTable &table) {
-    const std::size_t count = table.entries.size();
-    table.cumulative.resize(count);
-    double total = 0;
-    for (const LightEntry &entry : table.entries) total += static_cast<double>(power(entry, table));
-    double sum = 0;
-    for (std::size_t i = 0; i < count; ++i) {
-        const double even = 1.0 / static_cast<double>(count);
-        const double share = total > 0 ? static_cast<double>(power(table.entries[i], table)) / total : even;
-        const double pmf = count == 1 ? 1.0 : static_cast<double>(kEvenShare) * even + (1 - static_cast<double>(kEvenShare)) * share;
-        table.entries[i].pmf = static_cast<float>(pmf);
-        sum += pmf;
-        table.cumulative[i] = static_cast<float>(sum);
-    }
-}
-
-LightSample sampleLight(const LightTable &table, const Vec3 &point, float choose, const Vec2 &u) {
-    if (table.entries.empty()) return {};
-    const auto found = std::upper_bound(table.cumulative.begin(), table.cumulative.end(), choose);
-    const std::size_t i = std::min<std::size_t>(static_cast<std::size_t>(found - table.cumulative.begin()), table.entries.size() - 1);
-    const LightEntry &entry = table.entries[i];
+/// A sample of one light; the density does not yet know of the choice between lights.
+LightSample sampleEntry(const LightTable &table, const LightEntry &entry, const Vec3 &point, const Vec2 &u) {
     switch (entry.kind) {
     case LightKind::Environment: {
         const EnvironmentSample e = sample(*table.environment, u);
-        LightSample s;
         // Transposed: render from world. A constant sky is the same any way round and stays in render space, where a rigid motion
         // of camera and scene leaves no trace.
-        s.direction = table.environment->constant ? e.direction : e.direction * table.worldFromRender;
-        s.radiance = e.radiance;
-        s.pdf = entry.pmf * e.pdf;
-        return s;
+        return {table.environment->constant ? e.direction : e.direction * table.worldFromRender, kInfinity, e.radiance, e.pdf, false};
     }
     case LightKind::Quad: return fromArea(entry, point, entry.origin + entry.u * u.x + entry.v * u.y, entry.direction);
     case LightKind::Sphere: return sampleSphere(entry, point, u);
     case LightKind::Mesh: return sampleMesh(entry, point, u);
-    case LightKind::Directional: return {-entry.direction, kInfinity, entry.radiance, entry.pmf, true};
+    case LightKind::Directional: return {-entry.direction, kInfinity, entry.radiance, 1, true};
     case LightKind::Point:
     case LightKind::Spot: return sampleSpotOrPoint(entry, point);
     }
     return {};
 }
 
-LightHit intersectLights(const LightTable &table, const Vec3 &origin, const Vec3 &direction, float farthest, bool cameraRay) {
-    LightHit best;
-    best.t = farthest;
-    for (Index i = 0; i < table.entries.size(); ++i) {
-        const LightEntry &entry = table.entries[i];
-        if (cameraRay && !entry.cameraVisible) continue;
-        if (entry.kind == LightKind::Quad) {
-            const float cosine = glm::dot(entry.direction, direction);
-            if (!(entry.twoSided ? cosine != 0 : cosine < 0)) continue;
-            const Vec3 toCorner = entry.origin - origin;
-            const float t = glm::dot(entry.direction, toCorner) / cosine;
-            if (!(t > 0 && t < best.t)) continue;
-            // Coordinates along u and v, which need not be perpendicular.
-            const Vec3 onPlane = direction * t - toCorner;
-            const float a = glm::dot(glm::cross(onPlane, entry.v), entry.direction) / entry.area;
-            const float b = glm::dot(glm::cross(entry.u, onPlane), entry.direction) / entry.area;
-            if (a < 0 || a > 1 || b < 0 || b > 1) continue;
-            best = {i, t, std::fabs(cosine)};
-        } else if (entry.kind == LightKind::Sphere) {
-            const Vec3 toCentre = entry.origin - origin;
-            const float along = glm::dot(toCentre, direction);
-            const Vec3 closest = toCentre - direction * along; // perpendicular offset: no cancellation far away
-            const float discriminant = sqr(entry.radius) - glm::dot(closest, closest);
-            if (discriminant < 0) continue;
-            const float t = along - std::sqrt(discriminant);
-            if (t > 0 && t < best.t) best = {i, t, 1};
-        }
-    }
-    return best;
+} // namespace
+
+float choiceProbability(const LightTable &table, Index entry, const Vec3 &point) {
+    if (table.entries.size() == 1) return 1;
+    return probabilityOf(importance(table.entries[entry], table, point), totalImportance(table, point), table.entries.size());
 }
 
-float lightHitPdf(const LightEntry &entry, const Vec3 &point, float t, float absCosine) {
+LightSample sampleLight(const LightTable &table, const Vec3 &point, float choose, const Vec2 &u) {
+    const std::size_t count = table.entries.size();
+    if (count == 0) return {};
+    std::size_t chosen = 0;
+    float probability = 1;
+    if (count > 1) {
+        const float total = totalImportance(table, point);
+        float below = 0;
+        for (chosen = 0; chosen < count; ++chosen) {
+            probability = probabilityOf(importance(table.entries[chosen], table, point), total, count);
+            if (choose < below + probability || chosen + 1 == count) break;
+            below += probability;
+        }
+    }
+    LightSample s = sampleEntry(table, table.entries[chosen], point, u);
+    s.pdf *= probability;
+    return s;
+}
+
+LightHit intersectLight(const LightTable &table, Index index, const Vec3 &origin, const Vec3 &direction, float farthest) {
+    const LightEntry &entry = table.entries[index];
+    if (entry.kind == LightKind::Quad) {
+        const float cosine = glm::dot(entry.direction, direction);
+        if (!(entry.twoSided ? cosine != 0 : cosine < 0)) return {};
+        const Vec3 toCorner = entry.origin - origin;
+        const float t = glm::dot(entry.direction, toCorner) / cosine;
+        if (!(t > 0 && t < farthest)) return {};
+        // Coordinates along u and v, which need not be perpendicular.
+        const Vec3 onPlane = direction * t - toCorner;
+        const float a = glm::dot(glm::cross(onPlane, entry.v), entry.direction) / entry.area;
+        const float b = glm::dot(glm::cross(entry.u, onPlane), entry.direction) / entry.area;
+        const bool inside = a >= 0 && a <= 1 && b >= 0 && b <= 1;
+        return inside ? LightHit{index, t, std::fabs(cosine)} : LightHit{};
+    }
+    if (entry.kind != LightKind::Sphere) return {};
+    const Vec3 toCentre = entry.origin - origin;
+    const float along = glm::dot(toCentre, direction);
+    const Vec3 closest = toCentre - direction * along; // perpendicular offset: no cancellation far away
+    const float discriminant = sqr(entry.radius) - glm::dot(closest, closest);
+    if (discriminant < 0) return {};
+    const float t = along - std::sqrt(discriminant);
+    return t > 0 && t < farthest ? LightHit{index, t, 1} : LightHit{};
+}
+
+float lightHitPdf(const LightTable &table, Index index, const Vec3 &point, float t, float absCosine) {
+    const LightEntry &entry = table.entries[index];
     if (entry.kind == LightKind::Sphere) {
         const float cap = sphereCap(entry, point);
-        return cap < 2 ? entry.pmf / (2 * kPi * cap) : 0;
+        return cap < 2 ? choiceProbability(table, index, point) / (2 * kPi * cap) : 0;
     }
-    return absCosine > 0 ? entry.pmf * t * t / (absCosine * entry.area) : 0;
+    return absCosine > 0 ? choiceProbability(table, index, point) * t * t / (absCosine * entry.area) : 0;
 }
 
 Vec3 environmentRadiance(const LightTable &table, const Vec3 &direction) {
     return table.environment != nullptr ? radiance(*table.environment, table.worldFromRender * direction) : Vec3(0);
 }
 
-float environmentPdf(const LightTable &table, const Vec3 &direction) {
+float environmentPdf(const LightTable &table, const Vec3 &point, const Vec3 &direction) {
     if (table.environment == nullptr) return 0;
-    return table.entries[table.environmentEntry].pmf * samplePdf(*table.environment, table.worldFromRender * direction);
+    return choiceProbability(table, table.environmentEntry, point) * samplePdf(*table.environment, table.worldFromRender * direction);
 }
 
 } // namespace taut

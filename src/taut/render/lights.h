@@ -14,13 +14,13 @@ enum class LightKind : std::uint8_t { Environment, Quad, Sphere, Directional, Po
 /// One light that can be chosen.
 struct LightEntry {
     LightKind kind = LightKind::Environment;
-    float pmf = 0;     ///< probability of being chosen
     Vec3 radiance{0};  ///< as in scene.h's Light
     Vec3 origin{0};    ///< quad corner; sphere, point, spot centre
     Vec3 u{0}, v{0};   ///< quad edges
     Vec3 direction{0}; ///< quad normal; directional and spot: the way light travels
     float area = 0;    ///< quad, mesh
     float radius = 0;
+    Vec3 centre{0}; ///< quad, mesh: what its distance is taken to
     float cosInner = 1, cosOuter = 0;
     bool twoSided = false;
     bool cameraVisible = false;
@@ -41,34 +41,35 @@ struct LightSample {
 
 struct LightTable {
     std::vector<LightEntry> entries;
-    std::vector<float> cumulative; ///< of pmf
     const Environment *environment = nullptr;
     Index environmentEntry = kNone;
     Mat3 worldFromRender{1}; ///< rotation
-    float sceneRadius = 1;
 };
 
-/// Sets pmf and the choice table from each entry's power; a share is spread evenly so that no light is starved.
-void finishLightTable(LightTable &table);
+/// Probability with which sampleLight chooses an entry at `point`: after the irradiance it could send there, unoccluded, with a
+/// share spread evenly so that no light is starved.
+float choiceProbability(const LightTable &table, Index entry, const Vec3 &point);
 
 /// A light sample from `point`; pdf 0 where the chosen light sends nothing there. `choose` and `u` uniform in [0, 1).
 LightSample sampleLight(const LightTable &table, const Vec3 &point, float choose, const Vec2 &u);
 
-/// The nearest quad or sphere light that a ray meets before `farthest`. These lights are not geometry: they cast no shadow, and
-/// are passed through from behind. `cameraRay`: only lights that the camera sees.
+/// A quad or sphere light met by a ray. These lights are not geometry: they cast no shadow, hide nothing from scattered rays and
+/// are passed through from behind, so that the light of many is the sum of each alone.
 struct LightHit {
     Index entry = kNone;
     float t = kInfinity;
     float absCosine = 0;
 };
-LightHit intersectLights(const LightTable &table, const Vec3 &origin, const Vec3 &direction, float farthest, bool cameraRay);
+
+/// Where the ray meets one light before `farthest`; entry kNone where it does not.
+LightHit intersectLight(const LightTable &table, Index entry, const Vec3 &origin, const Vec3 &direction, float farthest);
 
 /// Density with which sampleLight returns the direction of a hit on an emitter: at distance t along unit `direction`, on a
 /// surface whose geometric normal makes |cos| with it.
-float lightHitPdf(const LightEntry &entry, const Vec3 &point, float t, float absCosine);
+float lightHitPdf(const LightTable &table, Index entry, const Vec3 &point, float t, float absCosine);
 
-/// Radiance that a ray leaving the scene along `direction` meets, and the density with which light sampling finds it.
+/// Radiance that a ray leaving the scene along `direction` meets, and the density with which light sampling at `point` finds it.
 Vec3 environmentRadiance(const LightTable &table, const Vec3 &direction);
-float environmentPdf(const LightTable &table, const Vec3 &direction);
+float environmentPdf(const LightTable &table, const Vec3 &point, const Vec3 &direction);
 
 } // namespace taut

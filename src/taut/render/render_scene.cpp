@@ -138,9 +138,6 @@ void RenderScene::setFrame(double frame, StageTimes &times) {
     placeLights(renderFromWorld);
     embree_.commit();
     committed_ = true;
-    const Bounds bounds = embree_.bounds();
-    lights_.sceneRadius = bounds.empty() ? 1 : std::max(1e-6F, 0.5F * bounds.diagonal());
-    finishLightTable(lights_);
     times.bvh += watch.lap();
 }
 
@@ -178,6 +175,7 @@ void RenderScene::placeLights(const DMat4 &renderFromWorld) {
             const Vec3 cross = glm::cross(entry.u, entry.v);
             entry.area = glm::length(cross);
             entry.direction = cross / entry.area;
+            entry.centre = entry.origin + 0.5F * (entry.u + entry.v);
         }
         lights_.entries.push_back(std::move(entry));
     }
@@ -194,12 +192,18 @@ void RenderScene::placeLights(const DMat4 &renderFromWorld) {
         entry.twoSided = object.object->emissionTwoSided;
         entry.mirrored = object.mirrored;
         double sum = 0;
+        DVec3 centroid(0);
         for (const Index3 &t : entry.triangles) {
             const Vec3 &a = entry.positions[t.x];
-            sum += 0.5 * static_cast<double>(glm::length(glm::cross(entry.positions[t.y] - a, entry.positions[t.z] - a)));
+            const Vec3 &b = entry.positions[t.y];
+            const Vec3 &c = entry.positions[t.z];
+            const double area = 0.5 * static_cast<double>(glm::length(glm::cross(b - a, c - a)));
+            sum += area;
+            centroid += DVec3(a + b + c) * (area / 3);
             entry.cumulativeArea.push_back(static_cast<float>(sum));
         }
         entry.area = static_cast<float>(sum);
+        entry.centre = Vec3(centroid / std::max(sum, 1e-300));
         if (!(entry.area > 0)) continue;
         lightEntries_[i] = static_cast<Index>(lights_.entries.size());
         lights_.entries.push_back(std::move(entry));
