@@ -122,3 +122,35 @@ TEST_CASE("A captured sequence renders", "[render][sequence]") {
         CHECK(std::all_of(image.begin(), image.end(), [](float v) { return std::isfinite(v); }));
     }
 }
+
+TEST_CASE("The filter is Blackman-Harris: its samples have the window's moments", "[render][camera]") {
+    // Independent truth: moments of the window by quadrature in double.
+    double weight = 0;
+    double second = 0;
+    double fourth = 0;
+    for (int i = 0; i < 20000; ++i) {
+        const double x = (i + 0.5) / 20000;
+        const double w = 6.283185307179586 * x;
+        const double value = 0.35875 - 0.48829 * std::cos(w) + 0.14128 * std::cos(2 * w) - 0.01168 * std::cos(3 * w);
+        const double offset = 1.5 * (2 * x - 1);
+        weight += value;
+        second += value * offset * offset;
+        fourth += value * offset * offset * offset * offset;
+    }
+    double sampledSecond = 0;
+    double sampledFourth = 0;
+    double mean = 0;
+    constexpr int kSamples = 1 << 16;
+    for (int i = 0; i < kSamples; ++i) {
+        const float u = (static_cast<float>(i) + 0.5F) / kSamples;
+        const double x = static_cast<double>(sampleFilter(false, {u, 0.5F}).x);
+        mean += x / kSamples;
+        sampledSecond += x * x / kSamples;
+        sampledFourth += x * x * x * x / kSamples;
+    }
+    CHECK(mean == Approx(0).margin(1e-4));
+    CHECK(sampledSecond == Approx(second / weight).epsilon(2e-3));
+    CHECK(sampledFourth == Approx(fourth / weight).epsilon(5e-3));
+    CHECK(std::fabs(sampleFilter(false, {0, kOneMinusEpsilon}).x) <= 1.5F);
+    CHECK(std::fabs(sampleFilter(false, {0, kOneMinusEpsilon}).y) <= 1.5F);
+}

@@ -7,34 +7,39 @@ namespace taut {
 
 namespace {
 
-/// Inverse of the Blackman-Harris window's integral over [-1, 1], tabulated.
+/// Inverse of the Blackman-Harris window's integral over [-1, 1], by symmetry of its upper half: the offset as a function of
+/// sqrt(1 - |2 u - 1|), which spends steps on the flat tail, tabulated.
 class BlackmanHarris {
   public:
     BlackmanHarris() {
-        double sum = 0;
-        cumulative_[0] = 0;
-        for (int i = 0; i < kBins; ++i) {
-            sum += window((i + 0.5) / kBins);
-            cumulative_[static_cast<std::size_t>(i) + 1] = static_cast<float>(sum);
+        constexpr int kFine = 1 << 14;
+        std::vector<double> above(kFine + 1, 0.0); // integral from x = i / kFine to the end, of the half window
+        for (int i = kFine - 1; i >= 0; --i)
+            above[static_cast<std::size_t>(i)] = above[static_cast<std::size_t>(i) + 1] + window(0.5 + 0.5 * (i + 0.5) / kFine);
+        std::size_t at = kFine - 1;
+        for (int i = 0; i <= kSteps; ++i) {
+            const double target = above[0] * i * i / (static_cast<double>(kSteps) * kSteps);
+            while (at > 0 && above[at] < target) --at;
+            const double within = (above[at] - target) / (above[at] - above[at + 1]);
+            offset_[static_cast<std::size_t>(i)] = static_cast<float>((static_cast<double>(at) + within) / kFine);
         }
-        for (float &c : cumulative_) c /= static_cast<float>(sum);
     }
     [[nodiscard]] float sample(float u) const {
-        const auto above = std::upper_bound(cumulative_.begin() + 1, cumulative_.end() - 1, u);
-        const auto bin = static_cast<std::size_t>(above - cumulative_.begin()) - 1;
-        const float width = cumulative_[bin + 1] - cumulative_[bin];
-        const float within = width > 0 ? (u - cumulative_[bin]) / width : 0.5F;
-        return 2 * (static_cast<float>(bin) + within) / kBins - 1;
+        const float centred = 2 * u - 1;
+        const float x = std::sqrt(1 - std::fabs(centred)) * kSteps;
+        const auto i = static_cast<std::size_t>(x);
+        return std::copysign(glm::mix(offset_[i], offset_[i + 1], x - static_cast<float>(i)), centred);
     }
 
   private:
-    static constexpr int kBins = 256;
+    static constexpr int kSteps = 1024;
     static double window(double x) { // Harris 1978, minimum four-term window
         const double w = 6.283185307179586 * x;
         return 0.35875 - 0.48829 * std::cos(w) + 0.14128 * std::cos(2 * w) - 0.01168 * std::cos(3 * w);
     }
-    std::array<float, kBins + 1> cumulative_{};
+    std::array<float, kSteps + 2> offset_{};
 };
+const BlackmanHarris kBlackmanHarris;
 
 constexpr float kFilterRadius = 1.5F;
 
@@ -99,8 +104,7 @@ std::vector<float> Film::resolve() const {
 
 Vec2 sampleFilter(bool box, const Vec2 &u) {
     if (box) return u - Vec2(0.5F);
-    static const BlackmanHarris filter;
-    return Vec2(filter.sample(u.x), filter.sample(u.y)) * kFilterRadius;
+    return Vec2(kBlackmanHarris.sample(u.x), kBlackmanHarris.sample(u.y)) * kFilterRadius;
 }
 
 } // namespace taut

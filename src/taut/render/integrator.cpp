@@ -66,6 +66,7 @@ struct PathTracer::State {
     const RenderScene &scene;
     const std::vector<PreparedMaterial> &materials;
     TraceSettings settings;
+    float pixelSize; ///< at distance one
 
     std::vector<Path> paths;
     std::vector<float> aovs; ///< [paths x channels]
@@ -93,7 +94,20 @@ struct PathTracer::State {
 };
 
 PathTracer::PathTracer(const RenderScene &scene, const std::vector<PreparedMaterial> &materials, const TraceSettings &settings)
-    : state_(new State{scene, materials, settings, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}}) {}
+    : state_(new State{scene,
+                       materials,
+                       settings,
+                       static_cast<float>(2 * std::tan(0.5 * scene.camera().fovY) / settings.height),
+                       {},
+                       {},
+                       {},
+                       {},
+                       {},
+                       {},
+                       {},
+                       {},
+                       {},
+                       {}}) {}
 PathTracer::~PathTracer() = default;
 
 void PathTracer::State::startPaths(const Window &tile, int firstSample, int lastSample) {
@@ -119,11 +133,9 @@ void PathTracer::State::startPaths(const Window &tile, int firstSample, int last
 Ray PathTracer::State::cameraRay(const Path &path) const {
     const CameraState &camera = scene.camera();
     const Vec2 offset = sampleFilter(settings.boxFilter, random2(path, kFilterDimension));
-    const float tangent = static_cast<float>(std::tan(0.5 * camera.fovY));
     const float px = (static_cast<float>(path.x) + 0.5F + offset.x) - 0.5F * static_cast<float>(settings.width);
     const float py = 0.5F * static_cast<float>(settings.height) - (static_cast<float>(path.y) + 0.5F + offset.y);
-    const float scale = 2 * tangent / static_cast<float>(settings.height);
-    const Vec3 through(px * scale, py * scale, -1); // on the plane at distance one
+    const Vec3 through(px * pixelSize, py * pixelSize, -1); // on the plane at distance one
     Ray ray;
     ray.origin = Vec3(0);
     ray.direction = through;
