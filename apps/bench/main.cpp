@@ -42,6 +42,7 @@ Material brushed() {
     material.type = MaterialType::Conductor;
     material.alphaX.value = 0.08F;
     material.alphaY.value = 0.4F;
+    material.multiscatter = Multiscatter::Off; // as the peers are measured
     return material;
 }
 

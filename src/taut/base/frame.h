@@ -27,8 +27,10 @@ struct Frame {
 /// singular point (the sphere's hair must part somewhere). Frisvad 2012, without the branch of Duff et al. 2017, which
 /// would put a seam along the equator.
 inline Frame smoothFrameFromNormal(const Vec3 &n) {
-    if (n.z < -0.9999998F) return {Vec3(0, -1, 0), Vec3(-1, 0, 0), n};
-    const float k = 1 / (1 + n.z);
+    // 1 / (1 + z), below the equator as (1 - z) / (x^2 + y^2): near the singular point 1 + z has lost its digits.
+    const float xy2 = n.x * n.x + n.y * n.y;
+    if (n.z < 0 && xy2 < 1e-14F) return {Vec3(0, -1, 0), Vec3(-1, 0, 0), n};
+    const float k = n.z < 0 ? (1 - n.z) / xy2 : 1 / (1 + n.z);
     const Vec3 s = glm::normalize(Vec3(1 - n.x * n.x * k, -n.x * n.y * k, -n.x));
     return {s, glm::cross(n, s), n};
 }

@@ -4,43 +4,18 @@
 /// Local shading space: z = shading normal on the viewer's side. The caller turns the frame so that the geometric normal faces
 /// the viewer; wo.z may still be negative where an interpolated normal leans away, and is handled (Tokuyoshi 2021).
 /// `fCos` is the BSDF times |wi.z|, the only product that stays finite at grazing; it is never split.
+///
+/// With Multiscatter::Walk evaluation is an unbiased estimate, drawn from `seed`, and a sampled direction's weight is its walk's
+/// throughput. The density of the walk is not known; `pdf` then is an approximation of it, never 0 where the walk can go, the same
+/// for evaluation and sampling, so that multiple importance sampling with it stays unbiased.
 
 #include "taut/base/warp.h"
-#include "taut/bsdf/fresnel.h"
+#include "taut/bsdf/multiple_scattering.h"
 #include "taut/microsurface/ggx.h"
 
 #include <optional>
 
 namespace taut {
-
-enum class BsdfType : std::uint8_t { Conductor, SchlickConductor, Dielectric, Diffuse, Coated, MetallicRoughness };
-
-/// Everything needed to scatter at a hit. What a field means depends on the type, as in scene.h's Material.
-struct Bsdf {
-    BsdfType type = BsdfType::Diffuse;
-    bool correlated = true;  ///< height-correlated G2, else separable
-    float eta = 1.5F;        ///< index beyond / index on the viewer's side
-    float diffuseEscape = 1; ///< coats: (1 - internal diffuse reflectance), from coatEscape()
-    MicroTransform micro;
-    Vec3 f0{1};     ///< Schlick types
-    Vec3 albedo{0}; ///< diffuse part
-    Vec3 tint{1};   ///< dielectric transmission
-    Vec3 conductorEta{1};
-    Vec3 conductorK{0};
-};
-
-struct BsdfEval {
-    Vec3 fCos{0};
-    float pdf = 0; ///< solid-angle density with which sample() returns wi
-};
-
-struct BsdfSample {
-    Vec3 wi;     ///< local, unit
-    Vec3 weight; ///< fCos / pdf
-    float pdf = 0;
-    float etaScale = 1; ///< square of the relative index crossed (radiance scaling), for Russian roulette
-    bool transmitted = false;
-};
 
 /// 1 - (diffuse reflectance from inside) of a smooth coat of index eta: (1 - R_outside) / eta^2.
 inline float coatEscape(float eta) {
@@ -55,19 +30,25 @@ class ScatteringPoint {
         length_ = ggx::stretchedLength(bsdf.micro, wo);
         area_ = ggx::visibleArea(bsdf.micro, wo, length_);
         bound_ = bsdf.type == BsdfType::Dielectric ? 1.0F : ggx::capBound(bsdf.micro, wo);
+        if (bsdf.multiscatter != Multiscatter::Off) multiple_ = multiple::prepare(bsdf, wo);
         if (hasDiffuse()) {
-            const float reflected = luminance(fresnelAt(std::fabs(wo.z)));
+            const float reflected = luminance(facetReflectance(bsdf, std::fabs(wo.z)));
             const float below = luminance(bsdf.albedo) * (1 - reflected);
             specularProbability_ = below > 0 ? glm::clamp(reflected / (reflected + below), 0.1F, 0.9F) : 1.0F;
         }
     }
 
-    /// fCos and pdf of a given wi.
-    [[nodiscard]] BsdfEval evaluate(const Vec3 &wi) const {
+    /// fCos and pdf of a given wi. `seed` names the walk, where there is one: another one for every call of a path.
+    [[nodiscard]] BsdfEval evaluate(const Vec3 &wi, std::uint32_t seed = 0) const {
         if (bsdf_.type == BsdfType::Diffuse) return diffuse(wi);
+        if (multiple_.treatment == Multiscatter::Walk) return multiple::evaluateWalk(bsdf_, multiple_.loss, wo_, wi, seed);
         if (wi.z <= 0) return bsdf_.type == BsdfType::Dielectric ? transmission(wi) : BsdfEval{};
         BsdfEval e = reflection(wi);
         if (bsdf_.type == BsdfType::Dielectric) return e;
+        if (multiple_.treatment == Multiscatter::Compensation) {
+            e.fCos += multiple_.color * multiple::compensation(bsdf_.micro, multiple_.loss, multiple_.lossMean, wi);
+            e.pdf = (1 - multiple_.probability) * e.pdf + multiple_.probability * (kInvPi * wi.z);
+        }
         e.pdf *= specularProbability_;
         if (hasDiffuse()) {
             const BsdfEval d = substrate(wi);
@@ -78,8 +59,10 @@ class ScatteringPoint {
     }
 
     /// A wi with density evaluate(wi).pdf, or nothing where the sampled normal reflects below the horizon. `lobe` chooses
-    /// between lobes, `u` the direction; both uniform in [0, 1).
-    [[nodiscard]] std::optional<BsdfSample> sample(const Vec2 &u, float lobe) const {
+    /// between lobes, `u` the direction; both uniform in [0, 1). `seed` as above.
+    [[nodiscard]] std::optional<BsdfSample> sample(const Vec2 &u, float lobe, std::uint32_t seed = 0) const {
+        if (multiple_.treatment == Multiscatter::Walk) return multiple::sampleWalk(bsdf_, multiple_.loss, wo_, u, seed);
+        if (multiple_.treatment == Multiscatter::Compensation && lobe < multiple_.probability) return finish(squareToCosineHemisphere(u));
         if (bsdf_.type == BsdfType::Diffuse || (hasDiffuse() && lobe >= specularProbability_)) {
             return finish(squareToCosineHemisphere(u));
         }
@@ -99,15 +82,6 @@ class ScatteringPoint {
   private:
     [[nodiscard]] bool hasDiffuse() const {
         return (bsdf_.type == BsdfType::Coated || bsdf_.type == BsdfType::MetallicRoughness) && bsdf_.albedo != Vec3(0);
-    }
-
-    [[nodiscard]] Vec3 fresnelAt(float cosine) const {
-        switch (bsdf_.type) {
-        case BsdfType::Conductor: return fresnel::conductor(cosine, bsdf_.conductorEta, bsdf_.conductorK);
-        case BsdfType::SchlickConductor:
-        case BsdfType::MetallicRoughness: return fresnel::schlick(cosine, bsdf_.f0);
-        default: return Vec3(fresnel::dielectric(cosine, bsdf_.eta));
-        }
     }
 
     [[nodiscard]] std::optional<BsdfSample> finish(const Vec3 &wi) const {
@@ -146,7 +120,7 @@ class ScatteringPoint {
         const float shape = wo_.z > 0 ? ggx::visibility(wo_.z, length_, wi.z, lengthI, bsdf_.correlated) : 1 / (area_ * (wi.z + lengthI));
         const float base = bound_ < 1 ? bound_ * wo_.z + length_ : area_;
         BsdfEval e{Vec3(density * shape * wi.z), density / (2 * base)};
-        const Vec3 f = fresnelAt(cosine);
+        const Vec3 f = facetReflectance(bsdf_, cosine);
         e.fCos *= f;
         if (bsdf_.type == BsdfType::Dielectric) e.pdf *= f.x;
         return e;
@@ -182,6 +156,7 @@ class ScatteringPoint {
     float area_ = 1;   ///< wo.z + L(wo), stable
     float bound_ = 1;  ///< k of the bounded cap
     float specularProbability_ = 1;
+    MultipleScattering multiple_;
 };
 
 } // namespace taut

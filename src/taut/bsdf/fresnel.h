@@ -52,6 +52,16 @@ inline float diffuseReflectance(float eta) {
     return static_cast<float>(sum / kNodes);
 }
 
+/// Mean of a reflectance over diffuse light, 2 * integral of F(c) c dc: Gauss-Legendre in c^2 with four nodes (error under 2e-3 for
+/// metals).
+template <class Reflectance> Vec3 diffuseMean(const Reflectance &reflectance) {
+    constexpr float kNodes[4] = {0.06943184F, 0.33000948F, 0.66999052F, 0.93056816F};
+    constexpr float kWeights[4] = {0.17392742F, 0.32607258F, 0.32607258F, 0.17392742F};
+    Vec3 sum(0);
+    for (int i = 0; i < 4; ++i) sum += kWeights[i] * reflectance(std::sqrt(kNodes[i]));
+    return sum;
+}
+
 /// The direction beyond the interface, or false at total internal reflection. `cosine` = <wo, wm> > 0, eta as above.
 inline bool refract(const Vec3 &wo, const Vec3 &wm, float cosine, float eta, Vec3 &wi) {
     const float inverse = 1 / eta;

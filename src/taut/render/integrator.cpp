@@ -78,6 +78,10 @@ struct PathTracer::State {
 
     [[nodiscard]] Vec2 random2(const Path &path, std::uint32_t dimension) const { return sobol2(path.sample, hash(path.seed, dimension)); }
     [[nodiscard]] float random1(const Path &path, std::uint32_t dimension) const { return sobol1(path.sample, hash(path.seed, dimension)); }
+    /// Names the walk within the microsurface, where the material asks for one.
+    [[nodiscard]] static std::uint32_t walkSeed(const Path &path, const SurfacePoint &point, std::uint32_t dimension) {
+        return point.bsdf.multiscatter == Multiscatter::Walk ? hash(path.sample, hash(path.seed, ~dimension)) : 0;
+    }
     static std::uint32_t dimensionOf(int event, EventDimension which) {
         return kEventDimensions + static_cast<std::uint32_t>(event) * kPerEvent + which;
     }
@@ -192,7 +196,7 @@ void PathTracer::State::connectLight(int event, Index index, const SurfacePoint 
     const Vec3 wi = point.frame.toLocal(light.direction);
     const float side = glm::dot(light.direction, point.geometricNormal);
     if ((side > 0) != (wi.z > 0)) return; // shading and geometric normal disagree about the side: no light leaks
-    const BsdfEval scattered = scattering.evaluate(wi);
+    const BsdfEval scattered = scattering.evaluate(wi, walkSeed(path, point, dimensionOf(event, kLightPoint)));
     if (!(scattered.pdf > 0)) return;
     const float weight = light.delta ? 1.0F : powerHeuristic(light.pdf, scattered.pdf);
     const Vec3 contribution = path.throughput * scattered.fCos * light.radiance * (weight / light.pdf);
@@ -230,7 +234,8 @@ void PathTracer::State::shade(int event, Index index, const Ray &ray, const Hit 
     connectLight(event, index, point, scattering);
 
     const auto sampled =
-        scattering.sample(random2(path, dimensionOf(event, kScatterDirection)), random1(path, dimensionOf(event, kScatterLobe)));
+        scattering.sample(random2(path, dimensionOf(event, kScatterDirection)), random1(path, dimensionOf(event, kScatterLobe)),
+                          walkSeed(path, point, dimensionOf(event, kScatterLobe)));
     if (!sampled) return;
     const Vec3 direction = glm::normalize(point.frame.fromLocal(sampled->wi));
     const float side = glm::dot(direction, point.geometricNormal);

@@ -57,6 +57,12 @@ MicroTransform transformAt(const Material &material, const Scene &scene, const V
                           (v.y * axis.x + v.z * axis.y) / rest.alphaX, (v.z * axis.x - v.y * axis.y) / rest.alphaY);
 }
 
+Multiscatter multiscatterAt(const Material &material, const Bsdf &bsdf) {
+    if (material.multiscatter != Multiscatter::Auto) return material.multiscatter;
+    if (!bsdf.correlated) return Multiscatter::Off; // table and walk are those of correlated heights
+    return chooseMultiscatter(bsdf.micro, bsdf.type == BsdfType::Dielectric);
+}
+
 Bsdf makeBsdf(const PreparedMaterial &prepared, const Scene &scene, const SurfacePoint &point, float sense, Vec3 &baseColor) {
     const Vec2 &uv = point.uv;
     const Material &material = *prepared.material;
@@ -94,6 +100,8 @@ Bsdf makeBsdf(const PreparedMaterial &prepared, const Scene &scene, const Surfac
     }
     bsdf.diffuseEscape = prepared.coatEscape;
     bsdf.micro = transformAt(material, scene, uv, point.stretch, point.tangent, sense);
+    if (material.type == MaterialType::Conductor || material.type == MaterialType::Dielectric)
+        bsdf.multiscatter = multiscatterAt(material, bsdf);
     return bsdf;
 }
 

@@ -64,13 +64,19 @@ void loadMetal(const TomlValue &value, Material &material) {
     failUnknownName(value.where, value.text, names);
 }
 
-Multiscatter toMultiscatter(const TomlValue &value) {
+/// `material` has its type and masking already.
+Multiscatter toMultiscatter(const TomlValue &value, const Material &material) {
     const auto mode = toChoice<Multiscatter>(value, {{"auto", Multiscatter::Auto},
                                                      {"off", Multiscatter::Off},
                                                      {"compensation", Multiscatter::Compensation},
                                                      {"walk", Multiscatter::Walk}});
-    if (mode == Multiscatter::Compensation || mode == Multiscatter::Walk)
-        failInput(value.where, quoted(value.text) + ", which this version does not have yet", "'off' or 'auto'");
+    if (mode == Multiscatter::Off || mode == Multiscatter::Auto) return mode;
+    if (material.type != MaterialType::Conductor && material.type != MaterialType::Dielectric)
+        failInput(value.where, quoted(value.text) + ", which this version does not have yet for this type", "'off' or 'auto'");
+    if (material.type == MaterialType::Dielectric && mode == Multiscatter::Compensation)
+        failInput(value.where, "'compensation' for a dielectric", "'off', 'walk' or 'auto'");
+    if (material.masking == Masking::Separable)
+        failInput(value.where, quoted(value.text) + " with separable masking", "'off' or 'auto', or masking = 'correlated'");
     return mode;
 }
 
@@ -79,7 +85,7 @@ void readMicrosurface(LoadContext &context, TableReader &table, Material &materi
     if (const TomlValue *alpha = table.find("alpha")) loadAlpha(context, *alpha, material);
     table.read("rotation_deg", material.rotation, [&](const TomlValue &v) { return toFloatParam(context, v, kDegrees, radians(1), 360); });
     table.read("masking", material.masking, oneOf<Masking>({{"correlated", Masking::Correlated}, {"separable", Masking::Separable}}));
-    table.read("multiscatter", material.multiscatter, toMultiscatter);
+    table.read("multiscatter", material.multiscatter, [&](const TomlValue &v) { return toMultiscatter(v, material); });
     table.read("poisson", material.poisson, numberIn({0, 0.5, false}));
 }
 

@@ -3,6 +3,7 @@
 ///
 /// World space: right-handed, z up, metres. Time: frame f is at (f - 1) / fps seconds; frame numbers may be fractional.
 
+#include "taut/bsdf/multiscatter.h"
 #include "taut/deform/deformer.h"
 #include "taut/deform/keyed.h"
 #include "taut/mesh/gltf.h"
@@ -32,7 +33,6 @@ struct ColorParam {
 
 enum class MaterialType { Conductor, Dielectric, Diffuse, Coated, MetallicRoughness };
 enum class Masking { Correlated, Separable };
-enum class Multiscatter { Off, Compensation, Walk, Auto };
 
 /// alpha is GGX alpha (slope scale), never its square root. alphaX is along the tangent (dP/du), alphaY across.
 struct Material {

@@ -1,0 +1,98 @@
+#pragma once
+/// Light that meets more than one facet, as a BSDF scatters it: the compensating lobe and the random walk. Used by bsdf.h; kept out of
+/// line and apart from it, so that single scattering stays as small as it is without.
+
+#include "taut/bsdf/bsdf_types.h"
+#include "taut/bsdf/facets.h"
+#include "taut/microsurface/random_walk.h"
+
+#include <optional>
+
+namespace taut {
+
+/// What is done about multiple scattering for one wo.
+struct MultipleScattering {
+    Multiscatter treatment = Multiscatter::Off; ///< Off, Compensation or Walk
+    float loss = 0;                             ///< share of energy that meets more than one facet, F = 1
+    float lossMean = 0;                         ///< compensation: its cosine-weighted mean over the hemisphere
+    float probability = 0;                      ///< compensation: of sampling the compensating lobe
+    Vec3 color{0};                              ///< compensation: of the lobe
+};
+
+namespace multiple {
+
+[[gnu::noinline]] inline MultipleScattering prepare(const Bsdf &bsdf, Vec3 wo) {
+    const bool conductor = bsdf.type == BsdfType::Conductor || bsdf.type == BsdfType::SchlickConductor;
+    MultipleScattering s;
+    if (bsdf.multiscatter == Multiscatter::Walk && (conductor || bsdf.type == BsdfType::Dielectric)) {
+        s.treatment = Multiscatter::Walk;
+        // A guide for the density only: rough where the table does not reach.
+        const float loss = wo.z > 0 ? 1 - energy::singleScatterAlbedo(bsdf.micro, wo) : 0.5F;
+        s.loss = glm::clamp(loss, bsdf.micro.upright() ? 0.01F : 0.1F, 1.0F);
+    }
+    // A view from below the horizon has no albedo in the table: its one bounce is left as it is.
+    if (bsdf.multiscatter == Multiscatter::Compensation && conductor && wo.z > 0) {
+        s.treatment = Multiscatter::Compensation;
+        s.loss = 1 - energy::singleScatterAlbedo(bsdf.micro, wo);
+        const float mean = energy::averageAlbedo(bsdf.micro);
+        s.lossMean = 1 - mean;
+        const Vec3 reflected = bsdf.type == BsdfType::SchlickConductor
+                                   ? bsdf.f0 + (Vec3(1) - bsdf.f0) / 21.0F
+                                   : fresnel::diffuseMean([&](float c) { return facetReflectance(bsdf, c); });
+        s.color = energy::multipleColor(reflected, mean);
+        const float multipleShare = s.loss * luminance(s.color);
+        const float singleShare = (1 - s.loss) * luminance(facetReflectance(bsdf, wo.z));
+        s.probability = multipleShare > 0 ? std::fmin(multipleShare / (multipleShare + singleShare), 0.9F) : 0.0F;
+    }
+    return s;
+}
+
+/// The compensating lobe times the cosine, before its colour; wi.z > 0.
+[[gnu::noinline]] inline float compensation(const MicroTransform &m, float loss, float lossMean, Vec3 wi) {
+    return energy::multipleLobe(loss, 1 - energy::singleScatterAlbedo(m, wi), lossMean, wi.z);
+}
+
+/// `use` with the facets of the BSDF.
+template <class Use> auto withFacets(const Bsdf &bsdf, const Use &use) {
+    if (bsdf.type == BsdfType::Dielectric) return use(DielectricFacets{bsdf.eta});
+    if (bsdf.type == BsdfType::Conductor) return use(ConductorFacets{bsdf.conductorEta, bsdf.conductorK});
+    return use(SchlickFacets{bsdf.f0});
+}
+
+/// From energy to radiance, and the tint of what passes.
+inline Vec3 radianceScale(const Bsdf &bsdf, bool transmitted) {
+    return transmitted ? bsdf.tint / (bsdf.eta * bsdf.eta) : Vec3(1);
+}
+
+/// Stand-in for the density of the walk: its one-bounce part, exact, and a diffuse lobe for the rest.
+inline float walkPdf(const Bsdf &bsdf, float loss, const Vec3 &wo, const Vec3 &wi) {
+    if (bsdf.type == BsdfType::Dielectric)
+        return walk::evaluateSingle(bsdf.micro, wo, wi, DielectricFacets{bsdf.eta}).x + loss * (0.5F * kInvPi) * std::fabs(wi.z);
+    if (!(wi.z > 0)) return 0;
+    return walk::evaluateSingle(bsdf.micro, wo, wi, walk::UniformReflector{}).x + loss * kInvPi * wi.z;
+}
+
+[[gnu::noinline]] inline BsdfEval evaluateWalk(const Bsdf &bsdf, float loss, Vec3 wo, Vec3 wi, std::uint32_t seed) {
+    const float pdf = walkPdf(bsdf, loss, wo, wi);
+    if (!(pdf > 0)) return {};
+    walk::Random random(seed);
+    const Vec2 first(random.uniform(), random.uniform());
+    const Vec3 energy = withFacets(bsdf, [&](const auto &facets) { return walk::evaluate(bsdf.micro, wo, wi, facets, first, random); });
+    return {energy * radianceScale(bsdf, wi.z < 0), pdf};
+}
+
+[[gnu::noinline]] inline std::optional<BsdfSample> sampleWalk(const Bsdf &bsdf, float loss, Vec3 wo, Vec2 u, std::uint32_t seed) {
+    walk::Random random(seed);
+    const walk::Exit exit = withFacets(bsdf, [&](const auto &facets) { return walk::sample(bsdf.micro, wo, facets, u, random); });
+    BsdfSample s;
+    s.wi = exit.w;
+    s.pdf = walkPdf(bsdf, loss, wo, exit.w);
+    s.transmitted = exit.beyond;
+    if (exit.throughput == Vec3(0) || !(s.pdf > 0) || s.transmitted != (s.wi.z < 0)) return std::nullopt;
+    s.weight = exit.throughput * radianceScale(bsdf, s.transmitted);
+    s.etaScale = s.transmitted ? bsdf.eta * bsdf.eta : 1;
+    return s;
+}
+
+} // namespace multiple
+} // namespace taut
