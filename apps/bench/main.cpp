@@ -14,6 +14,8 @@
 #include <tbb/info.h>
 
 #include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <functional>
 #include <iostream>
@@ -23,9 +25,10 @@ namespace {
 
 using namespace taut;
 
+/// A scene by name; made where it is measured, in a process of its own.
 struct BenchScene {
     std::string name;
-    Scene scene;
+    std::function<Scene()> make;
 };
 
 Object objectOf(Mesh mesh, Index material) {
@@ -66,38 +69,47 @@ Scene torusScene(int around, int across, bool ground, int maxEvents) {
     return scene;
 }
 
-std::vector<BenchScene> benchScenes() {
-    std::vector<BenchScene> scenes;
-    constexpr int kAround = 632;
-    constexpr int kAcross = 158; // 199,712 triangles
-    scenes.push_back({"furnace", torusScene(kAround, kAcross, false, 8)});
-    scenes.back().scene.environment = constantEnvironment(Vec3(1));
+constexpr int kAround = 632;
+constexpr int kAcross = 158; // 199,712 triangles
 
-    scenes.push_back({"area light", torusScene(kAround, kAcross, true, 6)});
-    Light quad;
+Light areaLight() {
+    Light quad; // facing down
     quad.corner = DVec3(1, -1, 3);
-    quad.u = DVec3(-2, 0, 0);
-    quad.v = DVec3(0, 2, 0);
+    quad.u = DVec3(0, 2, 0);
+    quad.v = DVec3(-2, 0, 0);
     quad.radiance = Vec3(10);
-    std::swap(quad.u, quad.v); // facing down
-    scenes.back().scene.lights = {quad};
+    return quad;
+}
 
-    scenes.push_back({"sky", torusScene(kAround, kAcross, true, 8)});
-    scenes.back().scene.environment = constantEnvironment(Vec3(1));
+Scene withEnvironment(Scene scene, Environment environment) {
+    scene.environment = std::move(environment);
+    return scene;
+}
 
-    scenes.push_back({"studio environment", torusScene(kAround, kAcross, true, 8)});
-    scenes.back().scene.environment = studioEnvironment();
+Scene areaScene() {
+    Scene scene = torusScene(kAround, kAcross, true, 6);
+    scene.lights = {areaLight()};
+    return scene;
+}
 
-    scenes.push_back({"deforming 200k", torusScene(kAround, kAcross, true, 6)});
-    scenes.back().scene.lights = {quad};
+Scene deformingScene() {
+    Scene scene = areaScene();
     DeformerKeys shear;
     shear.type = DeformerType::Shear;
     shear.axis = 0;
     shear.axis2 = 2;
     shear.amount.keys = {{1, 0.0}, {8, 0.8}};
-    scenes.back().scene.objects[0].deformers = {shear};
-    scenes.back().scene.render.frames = {1, 2, 3, 4, 5, 6, 7, 8};
-    return scenes;
+    scene.objects[0].deformers = {shear};
+    scene.render.frames = {1, 2, 3, 4, 5, 6, 7, 8};
+    return scene;
+}
+
+std::vector<BenchScene> benchScenes() {
+    return {{"furnace", [] { return withEnvironment(torusScene(kAround, kAcross, false, 8), constantEnvironment(Vec3(1))); }},
+            {"area light", areaScene},
+            {"sky", [] { return withEnvironment(torusScene(kAround, kAcross, true, 8), constantEnvironment(Vec3(1))); }},
+            {"studio environment", [] { return withEnvironment(torusScene(kAround, kAcross, true, 8), studioEnvironment()); }},
+            {"deforming 200k", deformingScene}};
 }
 
 double peakMegabytes() {
@@ -108,7 +120,7 @@ double peakMegabytes() {
 
 /// Renders the scene's frames; the record, if any, gets the rays of the last frame.
 nlohmann::json measure(const BenchScene &bench, int spp, int recordSpp) {
-    const Scene &scene = bench.scene;
+    const Scene scene = bench.make();
     RenderScene ready(scene, scene.render.frames.size() > 1);
     StageTimes stages;
     RayCounts counts;
@@ -123,6 +135,7 @@ nlohmann::json measure(const BenchScene &bench, int spp, int recordSpp) {
         counts += result.counts;
         traced += result.seconds;
     }
+    const double peak = peakMegabytes(); // before rays are recorded
     // The same rays, recorded by one thread (recording is not part of any time above) and replayed by all.
     RayRecord record;
     RayCounts recorded;
@@ -156,17 +169,51 @@ nlohmann::json measure(const BenchScene &bench, int spp, int recordSpp) {
               {"shading", stages.shading * perThread / frameTotal},
               {"film", stages.film * perThread / frameTotal}}},
             {"seconds_per_frame", frameTotal / static_cast<double>(scene.render.frames.size())},
-            {"peak_mb", peakMegabytes()}};
+            {"peak_mb", peak}};
+}
+
+/// Measures in a process of its own, so that the peak memory is this scene's. The parent must not have started threads.
+nlohmann::json measureApart(const BenchScene &bench, int spp, int recordSpp, int threads) {
+    int channel[2];
+    if (pipe(channel) != 0) throw RunError("can't make a pipe");
+    const pid_t child = fork();
+    if (child < 0) throw RunError("can't start a process");
+    if (child == 0) {
+        close(channel[0]);
+        int code = 0;
+        try {
+            std::unique_ptr<tbb::global_control> limit;
+            if (threads > 0)
+                limit =
+                    std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
+            const std::string text = measure(bench, spp, recordSpp).dump();
+            if (write(channel[1], text.data(), text.size()) != static_cast<ssize_t>(text.size())) code = 1;
+        } catch (const std::exception &error) {
+            std::cerr << "taut_bench: error: " << bench.name << ": " << error.what() << std::endl;
+            code = 1;
+        }
+        std::_Exit(code);
+    }
+    close(channel[1]);
+    std::string text;
+    char buffer[4096];
+    for (ssize_t got = 0; (got = read(channel[0], buffer, sizeof buffer)) > 0;) text.append(buffer, static_cast<std::size_t>(got));
+    close(channel[0]);
+    int status = 0;
+    waitpid(child, &status, 0);
+    if (status != 0) throw RunError("the measurement of '" + bench.name + "' failed");
+    return nlohmann::json::parse(text);
 }
 
 void printTable(const nlohmann::json &scenes) {
-    fmt::print("{:<20}{:>10}{:>9}{:>9}{:>8} |{:>7}{:>7}{:>6}{:>7}{:>7}{:>6} |{:>8}\n", "scene", "Mpaths/s", "Mrays/s", "Embree", "ratio", "deform", "grad", "bvh", "trav", "shade",
-               "film", "peak MB");
+    fmt::print("{:<20}{:>10}{:>9}{:>9}{:>8} |{:>7}{:>7}{:>6}{:>7}{:>7}{:>6} |{:>8}\n", "scene", "Mpaths/s", "Mrays/s", "Embree", "ratio",
+               "deform", "grad", "bvh", "trav", "shade", "film", "peak MB");
     for (const auto &s : scenes) {
         const auto share = [&](const char *name) { return 100 * s["share"][name].get<double>(); };
-        fmt::print("{:<20}{:>10.3f}{:>9.2f}{:>9.2f}{:>8.2f} |{:>6.1f}%{:>6.1f}%{:>5.1f}%{:>6.1f}%{:>6.1f}%{:>5.1f}% |{:>8.0f}\n", s["name"].get<std::string>(),
-                   s["samples_per_s"].get<double>() * 1e-6, s["rays_per_s"].get<double>() * 1e-6, s["embree_rays_per_s"].get<double>() * 1e-6, s["ratio_to_embree"].get<double>(),
-                   share("deformation"), share("gradient"), share("bvh"), share("traversal"), share("shading"), share("film"), s["peak_mb"].get<double>());
+        fmt::print("{:<20}{:>10.3f}{:>9.2f}{:>9.2f}{:>8.2f} |{:>6.1f}%{:>6.1f}%{:>5.1f}%{:>6.1f}%{:>6.1f}%{:>5.1f}% |{:>8.0f}\n",
+                   s["name"].get<std::string>(), s["samples_per_s"].get<double>() * 1e-6, s["rays_per_s"].get<double>() * 1e-6,
+                   s["embree_rays_per_s"].get<double>() * 1e-6, s["ratio_to_embree"].get<double>(), share("deformation"), share("gradient"),
+                   share("bvh"), share("traversal"), share("shading"), share("film"), s["peak_mb"].get<double>());
     }
 }
 
@@ -186,13 +233,15 @@ int main(int argc, char **argv) {
     app.add_option("-t,--threads", threads, "Threads (default: all)")->check(CLI::Range(1, 1024));
     CLI11_PARSE(app, argc, argv);
     try {
-        std::unique_ptr<tbb::global_control> limit;
-        if (threads > 0) limit = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
         nlohmann::json scenes = nlohmann::json::array();
         for (const BenchScene &bench : benchScenes())
-            if (only.empty() || std::find(only.begin(), only.end(), bench.name) != only.end()) scenes.push_back(measure(bench, spp, recordSpp));
+            if (only.empty() || std::find(only.begin(), only.end(), bench.name) != only.end())
+                scenes.push_back(measureApart(bench, spp, recordSpp, threads));
         printTable(scenes);
-        if (!output.empty()) writeTextFile(output, nlohmann::json{{"threads", threads > 0 ? threads : tbb::info::default_concurrency()}, {"scenes", scenes}}.dump(2) + "\n");
+        if (!output.empty())
+            writeTextFile(
+                output,
+                nlohmann::json{{"threads", threads > 0 ? threads : tbb::info::default_concurrency()}, {"scenes", scenes}}.dump(2) + "\n");
     } catch (const std::exception &error) {
         std::cerr << "taut_bench: error: " << error.what() << std::endl;
         return 1;
