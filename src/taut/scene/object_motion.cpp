@@ -64,14 +64,6 @@ DMat3 withoutRotation(const DMat3 &placement) {
     return s;
 }
 
-double clipSeconds(const GltfMotion &motion, double frame, double fps) {
-    const double seconds = (frame - 1) / fps;
-    const Clip *clip = clipOf(motion);
-    if (!motion.loop || clip == nullptr || !(clip->duration > 0)) return seconds;
-    const double duration = static_cast<double>(clip->duration);
-    return seconds - std::floor(seconds / duration) * duration;
-}
-
 const std::vector<Vec3> &sequenceFrame(const Object &object, int frame, ObjectMotion &motion) {
     const auto known = motion.sequenceFrames.find(frame);
     if (known != motion.sequenceFrames.end()) return known->second;
@@ -146,7 +138,7 @@ void motionAtFrame(const Object &object, double frame, double fps, const DMat4 &
     double orientation = glm::determinant(DMat3(renderFromScene));
     if (object.gltf) {
         const GltfFile &file = *object.gltf->file;
-        const Pose pose = evaluatePose(file, clipOf(*object.gltf), clipSeconds(*object.gltf, frame, fps));
+        const Pose pose = evaluatePose(file, clipOf(*object.gltf), clipTime(*object.gltf, frame, fps));
         const std::vector<float> &weights = pose.morphWeights[object.gltf->node];
         if (!object.mesh->morphs.empty() && !weights.empty()) {
             morphPositions(object.mesh->positions, object.mesh->morphs, weights, motion.control);
