@@ -77,7 +77,7 @@ const std::vector<Malformed> kMaterials{
     {"[material.a]\ntype = \"diffuse\"\nalpha = 0.1\n", "3:1", {"'alpha'", "one of type, color"}},
     {"[material.a]\ntype = \"conductor\"\nroughness = 0.1\n", "3:1", {"'roughness'", "one of"}},
     {"[material.a]\ntype = \"coated\"\nior = 0\n", "3:7", {"found 0"}},
-    {"[material.a]\ntype = \"coated\"\npoisson = 0.6\n", "3:11", {"found 0.6", "[0, 0.5]"}},
+    {"[material.a]\ntype = \"coated\"\npoisson = 0.6\n", "3:11", {"found 0.6", "[-1, 0.5]"}},
     {"[material.a]\ntype = \"coated\"\nmasking = \"none\"\n", "3:11", {"'none'", "correlated, separable"}},
     {"[material.a]\ntype = \"coated\"\nmultiscatter = \"walk\"\n",
      "3:16",

@@ -154,3 +154,18 @@ TEST_CASE("The filter is Blackman-Harris: its samples have the window's moments"
     CHECK(std::fabs(sampleFilter(false, {0, kOneMinusEpsilon}).x) <= 1.5F);
     CHECK(std::fabs(sampleFilter(false, {0, kOneMinusEpsilon}).y) <= 1.5F);
 }
+
+TEST_CASE("A scene file's poisson reaches the gloss", "[render][rest]") {
+    const std::string folder = outputFolder("poisson");
+    writeObj(makeGrid(4, 4, 2), folder + "/sheet.obj");
+    std::ofstream(folder + "/scene.toml") << "[render]\nwidth = 16\nheight = 16\n[material.m]\ntype = \"conductor\"\nalpha = 0.2\n"
+                                          << "[[mesh]]\nfile = \"sheet.obj\"\nmaterial = \"m\"\nscale = [[1, 1], [2, 2]]\n";
+    for (const auto &[poisson, expected] : {std::pair("0", 0.1F), std::pair("-1", 0.2F), std::pair("0.5", 0.025F)}) {
+        Warnings warnings;
+        const Scene scene = loadScene(folder + "/scene.toml", {std::string("material.m.poisson=") + poisson}, warnings);
+        const std::vector<float> image = renderImage(scene, 2, 2, {Aov::Alpha});
+        const std::size_t centre = (8 * 16 + 8) * 7;
+        INFO("poisson " << poisson); // lambda = 4^(-nu / (1 - nu)): 1, 2 and 1/4; alpha = 0.2 lambda / 2
+        CHECK(image[centre + 4] == Approx(expected).epsilon(1e-4));
+    }
+}

@@ -86,7 +86,7 @@ void readMicrosurface(LoadContext &context, TableReader &table, Material &materi
     table.read("rotation_deg", material.rotation, [&](const TomlValue &v) { return toFloatParam(context, v, kDegrees, radians(1), 360); });
     table.read("masking", material.masking, oneOf<Masking>({{"correlated", Masking::Correlated}, {"separable", Masking::Separable}}));
     table.read("multiscatter", material.multiscatter, [&](const TomlValue &v) { return toMultiscatter(v, material); });
-    table.read("poisson", material.poisson, numberIn({0, 0.5, false}));
+    table.read("poisson", material.poisson, numberIn({-1, 0.5, false}));
 }
 
 void readMetallicRoughness(LoadContext &context, TableReader &table, Material &material) {
