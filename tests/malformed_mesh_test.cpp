@@ -64,7 +64,7 @@ TEST_CASE("Malformed OBJ", "[mesh][malformed][obj]") {
                               {kTriangle + "f 1 1 2\n", ": ", {"found no face"}},
                               {"", ": ", {"found no face"}},
                               {std::string("v 0 0 \0\n", 8), ":1:7: ", {"'\\x00'"}},
-                              {"v 0 0 " + std::string(5000, 'x') + "\n", ":1:7: ", {"xxx...'"}},
+                              {"v 0 0 " + std::string(5000, 'x') + "\n", ":1:7: ", {"xxx...xxx"}},
                           });
 }
 

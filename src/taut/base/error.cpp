@@ -67,18 +67,23 @@ std::string_view nearestName(std::string_view name, std::span<const std::string_
 }
 
 std::string quoted(std::string_view text) {
-    constexpr std::size_t kLongest = 60;
-    std::string out = "'";
-    for (const char c : text.substr(0, kLongest)) {
-        if (static_cast<unsigned char>(c) < 0x20 || static_cast<unsigned char>(c) >= 0x7f) {
-            char escaped[5];
-            std::snprintf(escaped, sizeof escaped, "\\x%02x", static_cast<unsigned>(static_cast<unsigned char>(c)));
-            out += escaped;
-        } else {
-            out += c;
+    constexpr std::size_t kLongest = 256; // a long path is told by its whole; of what is longer, both ends are
+    constexpr std::size_t kEnd = 64;
+    const auto printable = [](std::string_view part) {
+        std::string out;
+        for (const char c : part) {
+            if (static_cast<unsigned char>(c) < 0x20 || static_cast<unsigned char>(c) >= 0x7f) {
+                char escaped[5];
+                std::snprintf(escaped, sizeof escaped, "\\x%02x", static_cast<unsigned>(static_cast<unsigned char>(c)));
+                out += escaped;
+            } else {
+                out += c;
+            }
         }
-    }
-    return out + (text.size() > kLongest ? "...'" : "'");
+        return out;
+    };
+    if (text.size() <= kLongest) return "'" + printable(text) + "'";
+    return "'" + printable(text.substr(0, kEnd)) + "..." + printable(text.substr(text.size() - kEnd)) + "'";
 }
 
 void Warnings::add(std::string line) {

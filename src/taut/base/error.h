@@ -40,7 +40,7 @@ class RunError : public std::runtime_error {
 /// The valid name with the least Damerau-Levenshtein distance to `name`; empty where `valid` is empty.
 std::string_view nearestName(std::string_view name, std::span<const std::string_view> valid);
 
-/// `text` in single quotes with control bytes escaped and long input cut, fit for one line of an error.
+/// `text` in single quotes with control bytes escaped, and only both ends of long input, fit for one line of an error.
 std::string quoted(std::string_view text);
 /// For std::string, so that argument-dependent lookup does not find std::quoted first.
 inline std::string quoted(const std::string &text) { return quoted(std::string_view(text)); }
