@@ -66,7 +66,7 @@ TEST_CASE("Rows of every cage are affine combinations and place the refined mesh
     for (const auto &[name, cage] : cages())
         for (int level = 0; level <= 3; ++level) {
             INFO(name << ", level " << level);
-            const Subdivision s = subdivide(cage, level);
+            const Subdivision s = subdivide(cage, {.level = level});
             CHECK(s.positions.rowCount() == s.mesh.positions.size());
             CHECK(s.positions.indices.size() == s.positions.weights.size());
             CHECK(largestPartitionError(s.positions) < 1e-6);
@@ -96,7 +96,7 @@ TEST_CASE("Refined counts follow V' = V + E + F, a quad a corner", "[subdivide]"
         Subdivision s;
         Mesh previous;
         for (int level = 1; level <= 3; ++level) {
-            s = subdivide(cage, level);
+            s = subdivide(cage, {.level = level});
             CHECK(s.mesh.positions.size() == parent->positions.size() + edgeCount(*parent) + parent->faceCount());
             CHECK(s.mesh.faceCount() == parent->cornerCount());
             CHECK(s.mesh.cornerCount() == 4 * s.mesh.faceCount());
@@ -111,7 +111,7 @@ TEST_CASE("Level 0 is the cage itself with identity rows", "[subdivide]") {
     cage.normals = {{0, 0, 1}};
     cage.cornerNormals.assign(cage.cornerCount(), 0);
     cage.morphs.push_back({"smile", std::vector<Vec3>(8, Vec3(1))});
-    const Subdivision s = subdivide(cage, 0);
+    const Subdivision s = subdivide(cage, {.level = 0});
     CHECK(s.mesh.positions == cage.positions);
     CHECK(s.mesh.faceOffsets == cage.faceOffsets);
     CHECK(s.mesh.cornerPositions == cage.cornerPositions);
@@ -125,7 +125,7 @@ TEST_CASE("Level 0 is the cage itself with identity rows", "[subdivide]") {
 TEST_CASE("The limit of a cube's corner lies at half its distance", "[subdivide]") {
     // Level-1 points by hand: corner 5/9, edge (3/4, 3/4, 0), face (1, 0, 0); limit mask of valence 3:
     // (9 * 5/9 + 4 * (3/4 + 3/4) + 1) / 24 = 1/2.
-    const Subdivision s = subdivide(cube(), 1);
+    const Subdivision s = subdivide(cube(), {.level = 1});
     for (int i = 0; i < 8; ++i)
         CHECK(glm::distance(s.mesh.positions[static_cast<std::size_t>(i)], 0.5F * cube().positions[static_cast<std::size_t>(i)]) < 1e-6F);
     // Face midpoint, valence 4: (16 * 1 + 4 * (4 * 3/4) + 4 * 5/9) / 36.
@@ -140,7 +140,7 @@ TEST_CASE("A regular grid reproduces the uniform bicubic B-spline", "[subdivide]
                                      (-3 * t * t * t + 3 * t * t + 3 * t + 1) / 6, t * t * t / 6};
     };
     for (const int level : {1, 2, 4}) {
-        const Subdivision s = subdivide(cage, level);
+        const Subdivision s = subdivide(cage, {.level = level});
         int checked = 0;
         for (const Vec3 &p : s.mesh.positions) {
             // In the interior x and y are the spline's parameters: equally spaced control points have linear precision.
@@ -165,7 +165,7 @@ TEST_CASE("A regular grid reproduces the uniform bicubic B-spline", "[subdivide]
 TEST_CASE("Boundaries are cubic B-spline curves and boundary corners stay", "[subdivide]") {
     const int n = 4;
     const Mesh cage = openGrid(n, bumpy);
-    const Subdivision s = subdivide(cage, 2);
+    const Subdivision s = subdivide(cage, {.level = 2});
     for (const int i : {0, n})
         for (const int j : {0, n}) CHECK(distanceToNearest(Vec3(i, j, bumpy(i, j)), s.mesh.positions) < 1e-6F);
     // At a knot of the boundary curve: (1, 4, 1) / 6 of boundary control points alone.
@@ -182,8 +182,8 @@ TEST_CASE("A finer level keeps the coarser level's limit points", "[subdivide]")
     for (const auto &[name, cage] : cages()) {
         INFO(name);
         for (int level = 1; level <= 3; ++level) {
-            const Subdivision coarse = subdivide(cage, level);
-            const Subdivision fine = subdivide(cage, level + 1);
+            const Subdivision coarse = subdivide(cage, {.level = level});
+            const Subdivision fine = subdivide(cage, {.level = level + 1});
             // Vertices of vertices come first in the finer level, so the same vertex has the same number.
             for (std::size_t v = 0; v < coarse.mesh.positions.size(); ++v)
                 REQUIRE(glm::distance(coarse.mesh.positions[v], fine.mesh.positions[v]) < 1e-5F);
@@ -194,7 +194,7 @@ TEST_CASE("A finer level keeps the coarser level's limit points", "[subdivide]")
 TEST_CASE("Closed cages stay closed and outward", "[subdivide]") {
     for (const Mesh &cage : {cube(), torus(9, 6)})
         for (int level = 1; level <= 3; ++level) {
-            const Mesh mesh = subdivide(cage, level).mesh;
+            const Mesh mesh = subdivide(cage, {.level = level}).mesh;
             CHECK(isWatertight(mesh));
             CHECK(signedVolume(mesh) > 0);
             CHECK(signedVolume(mesh) < signedVolume(cage));
@@ -208,7 +208,7 @@ TEST_CASE("UVs are refined face-varying: linear where the cage's are, across sea
     const int m = 8;
     const Mesh cage = torus(n, m);
     for (int level = 1; level <= 2; ++level) {
-        const Mesh mesh = subdivide(cage, level).mesh;
+        const Mesh mesh = subdivide(cage, {.level = level}).mesh;
         REQUIRE(mesh.cornerUvs.size() == mesh.cornerCount());
         Vec2 lower(kInfinity);
         Vec2 upper(-kInfinity);
@@ -239,7 +239,7 @@ TEST_CASE("UVs are refined face-varying: linear where the cage's are, across sea
 TEST_CASE("UVs are left out where a corner lacks one", "[subdivide]") {
     Mesh cage = openGrid(2, bumpy);
     cage.cornerUvs[5] = kNone;
-    const Mesh mesh = subdivide(cage, 1).mesh;
+    const Mesh mesh = subdivide(cage, {.level = 1}).mesh;
     CHECK(mesh.uvs.empty());
     CHECK(mesh.cornerUvs.empty());
 }
@@ -250,7 +250,7 @@ TEST_CASE("Children keep their face's material", "[subdivide]") {
     cage.materialNames = {"steel", "brass", "tin"};
     cage.faceMaterials = {2, 0, 1};
     for (int level = 0; level <= 3; ++level) {
-        const Mesh mesh = subdivide(cage, level).mesh;
+        const Mesh mesh = subdivide(cage, {.level = level}).mesh;
         CHECK(mesh.materialNames == cage.materialNames);
         REQUIRE(mesh.faceMaterials.size() == mesh.faceCount());
         const auto count = [&](Index m) { return std::count(mesh.faceMaterials.begin(), mesh.faceMaterials.end(), m); };
@@ -262,7 +262,7 @@ TEST_CASE("Children keep their face's material", "[subdivide]") {
     // A quarter of the square belongs to each face of a 2 x 2 grid: the material is where its face was.
     Mesh grid = openGrid(2, [](int, int) { return 0.0F; });
     grid.faceMaterials = {0, 1, 2, 3};
-    const Mesh mesh = subdivide(grid, 2).mesh;
+    const Mesh mesh = subdivide(grid, {.level = 2}).mesh;
     for (std::size_t f = 0; f < mesh.faceCount(); ++f) {
         Vec3 centre(0);
         for (std::size_t c = 0; c < 4; ++c) centre += 0.25F * mesh.positions[mesh.cornerPositions[mesh.faceOffsets[f] + c]];
@@ -274,8 +274,8 @@ TEST_CASE("Repeated corners are left out, with their materials in step", "[subdi
     Mesh cage = meshOf({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{1, 1, 0}, {0, 1, 1, 2, 0}, {0, 2, 3}});
     cage.materialNames = {"a", "b", "c"};
     cage.faceMaterials = {0, 1, 2};
-    const Mesh expected = subdivide(meshOf(cage.positions, {{0, 1, 2}, {0, 2, 3}}), 1).mesh;
-    const Mesh mesh = subdivide(cage, 1).mesh;
+    const Mesh expected = subdivide(meshOf(cage.positions, {{0, 1, 2}, {0, 2, 3}}), {.level = 1}).mesh;
+    const Mesh mesh = subdivide(cage, {.level = 1}).mesh;
     CHECK(farthest(mesh.positions, expected.positions) < 1e-6F);
     CHECK(mesh.positions.size() == expected.positions.size());
     CHECK(mesh.faceMaterials == std::vector<Index>{1, 1, 1, 2, 2, 2});
@@ -283,7 +283,7 @@ TEST_CASE("Repeated corners are left out, with their materials in step", "[subdi
 
 TEST_CASE("Applying rows again reuses the output", "[subdivide]") {
     const Mesh cage = torus(16, 12);
-    const Subdivision s = subdivide(cage, 3); // more rows than one grain
+    const Subdivision s = subdivide(cage, {.level = 3}); // more rows than one grain
     REQUIRE(s.positions.rowCount() > 4096);
     std::vector<Vec3> out;
     applyStencils(s.positions, cage.positions, out);
@@ -298,7 +298,7 @@ TEST_CASE("Applying rows again reuses the output", "[subdivide]") {
 TEST_CASE("What can't be subdivided is said in one line with the mesh's name", "[subdivide]") {
     const auto messageOf = [](const Mesh &cage, int level) {
         try {
-            subdivide(cage, level);
+            subdivide(cage, {.level = level});
         } catch (const RunError &error) {
             return std::string(error.what());
         }
@@ -341,7 +341,7 @@ TEST_CASE("Limit points agree with refined meshes of OpenSubdiv's own baseline",
         // The baseline's "level 0" is the cage refined once; its vertices are not on the limit surface yet.
         const Mesh refined = readMesh(*baseline, warnings);
         const std::vector<Vec3> expected = halsteadLimit(refined);
-        const Mesh mesh = subdivide(cage, level).mesh;
+        const Mesh mesh = subdivide(cage, {.level = level}).mesh;
         CHECK(mesh.positions.size() == expected.size());
         CHECK(mesh.faceCount() == refined.faceCount());
         CHECK(farthest(mesh.positions, expected) < 2e-6F);
@@ -358,7 +358,7 @@ TEST_CASE("Production cages: watertight, uvs in their hull", "[subdivide][assets
         Warnings warnings;
         const Mesh cage = readMesh(*path, warnings);
         CHECK(isWatertight(cage));
-        const Subdivision s = subdivide(cage, 2);
+        const Subdivision s = subdivide(cage, {.level = 2});
         CHECK(largestPartitionError(s.positions) < 1e-6);
         CHECK(isWatertight(s.mesh));
         CHECK(s.mesh.positions.size() == s.positions.rowCount());

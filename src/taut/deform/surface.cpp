@@ -1,13 +1,12 @@
 #include "taut/deform/surface.h"
 
 #include "taut/base/frame.h"
+#include "taut/deform/surface_fit.h"
 #include "taut/mesh/triangulate.h"
+#include "taut/mesh/weld.h"
 
 #include <algorithm>
-#include <cstring>
 #include <map>
-#include <numeric>
-#include <unordered_map>
 
 namespace taut {
 
@@ -15,64 +14,8 @@ namespace {
 
 /// Normals closer than this (about 0.6 degrees) belong to one surface vertex.
 constexpr float kSameNormalCosine = 0.99995F;
-/// A fit whose rest tangents come out this short or skewed is no fit.
-constexpr float kLeastFitDeterminant = 0.02F;
 /// Tangents on either side of a UV seam within this angle (20 degrees) are one direction that the seam only interrupts.
 constexpr float kSameTangentCosine = 0.94F;
-
-std::size_t hashBytes(const void *data, std::size_t size, std::size_t seed) {
-    const auto *bytes = static_cast<const unsigned char *>(data);
-    for (std::size_t i = 0; i < size; ++i) seed = (seed ^ bytes[i]) * 1099511628211ULL;
-    return seed;
-}
-
-/// True where two positions coincide at rest and move alike: same skin row, same morph displacements.
-bool sameMotion(const Mesh &mesh, Index a, Index b) {
-    if (mesh.positions[a] != mesh.positions[b]) return false;
-    for (const MorphTarget &morph : mesh.morphs)
-        if (morph.positionDeltas[a] != morph.positionDeltas[b]) return false;
-    if (mesh.skin.empty()) return true;
-    const auto &[offsets, joints, weights] = mesh.skin;
-    const Index count = offsets[a + 1] - offsets[a];
-    if (count != offsets[b + 1] - offsets[b]) return false;
-    for (Index k = 0; k < count; ++k)
-        if (joints[offsets[a] + k] != joints[offsets[b] + k] || weights[offsets[a] + k] != weights[offsets[b] + k]) return false;
-    return true;
-}
-
-/// Canonical position of each position.
-std::vector<Index> weldPositions(const Mesh &mesh, bool weld) {
-    std::vector<Index> canonical(mesh.positions.size());
-    std::iota(canonical.begin(), canonical.end(), Index{0});
-    if (!weld) return canonical;
-    std::unordered_multimap<std::size_t, Index> seen;
-    seen.reserve(mesh.positions.size());
-    for (Index i = 0; i < mesh.positions.size(); ++i) {
-        const Vec3 p = mesh.positions[i] + Vec3(0.0F); // -0 and 0 are one place
-        const std::size_t key = hashBytes(&p, sizeof p, 14695981039346656037ULL);
-        const auto [first, last] = seen.equal_range(key);
-        const auto match = std::find_if(first, last, [&](const auto &entry) { return sameMotion(mesh, entry.second, i); });
-        if (match != last)
-            canonical[i] = match->second;
-        else
-            seen.emplace(key, i);
-    }
-    return canonical;
-}
-
-/// Sums contributions of faces to stencils: a small map from position to weight per surface vertex.
-struct StencilRow {
-    std::vector<std::pair<Index, Vec2>> entries;
-    float area = 0;
-    void add(Index position, const Vec2 &weight) {
-        for (auto &[at, sum] : entries)
-            if (at == position) {
-                sum += weight;
-                return;
-            }
-        entries.emplace_back(position, weight);
-    }
-};
 
 class Builder {
   public:
@@ -85,7 +28,7 @@ class Builder {
 
     Surface build() {
         makeSurfaceVertices();
-        makeFits();
+        makeFits({mesh_, canonical_, rest_, cornerSurface_, surfaceNormal_}, options_, surface_);
         makeWeightGradients();
         makeRenderVertices();
         makeTriangles();
@@ -155,85 +98,30 @@ class Builder {
 
     void makeSurfaceVertices() {
         const std::vector<Vec3> normals = cornerNormals();
+        const bool onLimit = isLimit(options_);
         cornerSurface_.resize(mesh_.cornerCount());
         std::vector<std::vector<Index>> atPosition(mesh_.positions.size());
         for (Index c = 0; c < mesh_.cornerCount(); ++c) {
             const Index position = canonical_[mesh_.cornerPositions[c]];
             auto &here = atPosition[position];
-            const auto same = std::find_if(here.begin(), here.end(),
-                                           [&](Index s) { return glm::dot(surface_.normals[s], normals[c]) > kSameNormalCosine; });
+            // On a limit surface the two sides of a crease keep apart even where it is flat.
+            const auto same = std::find_if(here.begin(), here.end(), [&](Index s) {
+                return onLimit ? surfaceNormal_[s] == mesh_.cornerNormals[c]
+                               : glm::dot(surface_.normals[s], normals[c]) > kSameNormalCosine;
+            });
             if (same != here.end()) {
                 cornerSurface_[c] = *same;
                 continue;
             }
             cornerSurface_[c] = static_cast<Index>(surface_.normals.size());
             here.push_back(cornerSurface_[c]);
+            if (onLimit) surfaceNormal_.push_back(mesh_.cornerNormals[c]);
             const Frame frame = smoothFrameFromNormal(normals[c]);
             surface_.surfacePosition.push_back(position);
             surface_.normals.push_back(normals[c]);
             surface_.e1.push_back(frame.s);
             surface_.e2.push_back(frame.t);
         }
-    }
-
-    /// Area-weighted mean of the corner triangles' gradients: A grad(phi_k) = n x (opposite edge) / 2.
-    void makeFits() {
-        std::vector<StencilRow> rows(surface_.normals.size());
-        forEachCorner([&](std::size_t, const Corner &c) {
-            const Index s = cornerSurface_[c.self];
-            const Vec3 &p0 = restAt(c.self);
-            const Vec3 &p1 = restAt(c.next);
-            const Vec3 &p2 = restAt(c.previous);
-            const Vec3 twiceArea = glm::cross(p1 - p0, p2 - p0);
-            const float length = glm::length(twiceArea);
-            if (!(length > 0) || glm::dot(twiceArea, surface_.normals[s]) <= 0) return; // SkipDegenerateFace; a concave corner too
-            const Vec3 n = twiceArea / length;
-            const auto weight = [&](const Vec3 &edge) {
-                const Vec3 g = 0.5F * glm::cross(n, edge);
-                return Vec2(glm::dot(g, surface_.e1[s]), glm::dot(g, surface_.e2[s]));
-            };
-            StencilRow &row = rows[s];
-            row.area += 0.5F * length;
-            row.add(canonical_[mesh_.cornerPositions[c.self]], weight(p2 - p1));
-            row.add(canonical_[mesh_.cornerPositions[c.next]], weight(p0 - p2));
-            row.add(canonical_[mesh_.cornerPositions[c.previous]], weight(p1 - p0));
-        });
-        surface_.stencilOffsets.assign(1, 0);
-        surface_.slope.assign(rows.size(), Vec2(0));
-        for (std::size_t s = 0; s < rows.size(); ++s) {
-            if (normaliseFit(rows[s], s)) {
-                for (const auto &[position, weight] : rows[s].entries) {
-                    surface_.stencilPositions.push_back(position);
-                    surface_.stencilWeights.push_back(weight);
-                }
-            } else {
-                ++surface_.loneVertices; // RestAtLoneVertex
-            }
-            surface_.stencilOffsets.push_back(static_cast<Index>(surface_.stencilPositions.size()));
-        }
-    }
-
-    /// Makes the fit exact at rest in the tangent plane and records the slope along the normal.
-    bool normaliseFit(StencilRow &row, std::size_t s) {
-        if (!(row.area > 0)) return false;
-        Vec3 f1(0);
-        Vec3 f2(0);
-        for (auto &[position, weight] : row.entries) {
-            weight /= row.area;
-            f1 += rest_[position] * weight.x;
-            f2 += rest_[position] * weight.y;
-        }
-        const Vec3 &e1 = surface_.e1[s];
-        const Vec3 &e2 = surface_.e2[s];
-        const Mat2 tangent(glm::dot(f1, e1), glm::dot(f1, e2), glm::dot(f2, e1), glm::dot(f2, e2)); // columns: f1, f2 in (e1, e2)
-        if (!(glm::determinant(tangent) > kLeastFitDeterminant)) return false;
-        const Mat2 correction = glm::inverse(tangent); // [f1 f2] * correction = [e1 e2] in the plane
-        for (auto &[position, weight] : row.entries)
-            weight = {weight.x * correction[0][0] + weight.y * correction[0][1], weight.x * correction[1][0] + weight.y * correction[1][1]};
-        const Vec3 g1 = f1 * correction[0][0] + f2 * correction[0][1];
-        const Vec3 g2 = f1 * correction[1][0] + f2 * correction[1][1];
-        surface_.slope[s] = {glm::dot(g1, surface_.normals[s]), glm::dot(g2, surface_.normals[s])};
-        return true;
     }
 
     void makeWeightGradients() {
@@ -386,6 +274,7 @@ class Builder {
     std::vector<Index> canonical_;     // position -> welded position
     std::vector<Vec3> rest_;           // rest space
     std::vector<Index> cornerSurface_; // corner -> surface vertex
+    std::vector<Index> surfaceNormal_; // surface vertex -> normal, on a limit surface
     std::vector<Index> cornerVertex_;  // corner -> render vertex
 };
 

@@ -22,8 +22,9 @@
 ///   RestAtLoneVertex     a surface vertex with only degenerate faces keeps A = identity.
 
 #include "taut/base/vec.h"
-#include "taut/mesh/mesh.h"
+#include "taut/mesh/subdivide.h"
 
+#include <span>
 #include <vector>
 
 namespace taut {
@@ -42,12 +43,14 @@ struct Surface {
     std::vector<Vec3> e1, e2;           ///< rest space: with the normal an orthonormal right-handed frame
     Mat3 restFromObject{1};
 
-    // Area-weighted fit: dx/de1 = sum weights.x * x[position], dx/de2 = sum weights.y * x[position]; exact in the tangent plane
-    // at rest. `slope` is what is left along the rest normal there.
+    // Gradient from positions: dx/de1 = sum weights.x * x[position], dx/de2 = sum weights.y * x[position]; exact in the tangent
+    // plane at rest. `slope` is what is left along the rest normal there. Rows of a fit refer to positions; rows of a limit
+    // surface to the points of its cage, and give the vertex's position as well: x = sum points * x[position].
     std::vector<Index> stencilOffsets; ///< [surface vertices + 1]
     std::vector<Index> stencilPositions;
     std::vector<Vec2> stencilWeights;
-    std::vector<Vec2> slope; ///< [surface vertices]
+    std::vector<float> stencilPoints; ///< empty but for a limit surface
+    std::vector<Vec2> slope;          ///< [surface vertices]
 
     // Derivatives of skin weights along e1 and e2 by the same fit: for joint k of surface vertex v.
     std::vector<Index> weightGradientOffsets; ///< [surface vertices + 1]; empty without a skin
@@ -61,12 +64,21 @@ struct Surface {
     Index fallbackTangents = 0; ///< render vertices under SmoothFieldNoUv
 
     [[nodiscard]] std::size_t vertexCount() const { return vertexSurface.size(); }
+    /// Whether the stencils are those of a limit surface, on the points of a cage.
+    [[nodiscard]] bool onLimit() const { return !stencilPoints.empty(); }
 };
+
+/// Means of the gradients of the faces around a vertex, weighted by their area or their angle there, or the linear map that
+/// fits the vertex's neighbours best.
+enum class GradientFit { Area, Angle, LeastSquares };
 
 struct SurfaceOptions {
     Mat3 restFromObject{1};
     bool smooth = true; ///< where the file has no normals: smooth, else faceted
     bool weld = false;  ///< join positions that coincide and move alike (glTF splits positions at seams)
+    GradientFit fit = GradientFit::Area;
+    const Subdivision *limit = nullptr; ///< the mesh is limit->mesh: exact limit derivatives where it has them, else the fit
+    std::span<const Vec3> cage;         ///< with `limit`: the cage's positions, object space
 };
 
 Surface buildSurface(const Mesh &mesh, const SurfaceOptions &options);

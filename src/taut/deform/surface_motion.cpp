@@ -47,19 +47,45 @@ Vec3 normalOf(const Vec3 &f1, const Vec3 &f2, const Vec3 &carried) {
     return isCollapsed(length, f1, f2) ? collapsedNormal(f1, f2, carried) : n / length;
 }
 
-/// The fit at surface vertex s of positions in a space whose rest shape is `restFromSpace`^-1 of rest space. The normal is the
-/// unit vector whose components along the fitted tangents are the slopes recorded at rest, scaled with the surface, so that at
-/// rest, under rigid motion and under uniform scaling the file's own normals come back. Where the space is `mirrored` the normal
-/// is the one on the side of cross(f1, f2), which then is the inner one.
-void fitAt(const Surface &surface, std::size_t s, std::span<const Vec3> positions, const Mat3 &restFromSpace, bool mirrored, Vec3 &f1,
-           Vec3 &f2, Vec3 &normal) {
+/// Derivatives along e1 and e2 at surface vertex s, from its stencil. The weights sum to zero, so points are taken relative to one of
+/// them: far from the origin that keeps digits.
+void differentiate(const Surface &surface, std::size_t s, std::span<const Vec3> points, Vec3 &f1, Vec3 &f2) {
     f1 = Vec3(0);
     f2 = Vec3(0);
-    for (Index k = surface.stencilOffsets[s]; k < surface.stencilOffsets[s + 1]; ++k) {
-        const Vec3 &p = positions[surface.stencilPositions[k]];
+    const Index begin = surface.stencilOffsets[s];
+    const Vec3 origin = points[surface.stencilPositions[begin]];
+    for (Index k = begin; k < surface.stencilOffsets[s + 1]; ++k) {
+        const Vec3 p = points[surface.stencilPositions[k]] - origin;
         f1 += p * surface.stencilWeights[k].x;
         f2 += p * surface.stencilWeights[k].y;
     }
+}
+
+/// The same with the position, on a limit surface. False where the vertex has no derivatives (RestAtLoneVertex).
+bool differentiateLimit(const Surface &surface, std::size_t s, std::span<const Vec3> points, Vec3 &position, Vec3 &f1, Vec3 &f2) {
+    Vec3 x(0);
+    f1 = Vec3(0);
+    f2 = Vec3(0);
+    Vec2 size(0);
+    const Index begin = surface.stencilOffsets[s];
+    const Vec3 origin = points[surface.stencilPositions[begin]];
+    for (Index k = begin; k < surface.stencilOffsets[s + 1]; ++k) {
+        const Vec3 p = points[surface.stencilPositions[k]] - origin;
+        const Vec2 w = surface.stencilWeights[k];
+        x += p * surface.stencilPoints[k];
+        f1 += p * w.x;
+        f2 += p * w.y;
+        size += w * w;
+    }
+    position = origin + x;
+    return size.x > 0 && size.y > 0;
+}
+
+/// Finishes the gradient of a fit in a space whose rest shape is `restFromSpace`^-1 of rest space. The normal is the
+/// unit vector whose components along the fitted tangents are the slopes recorded at rest, scaled with the surface, so that at
+/// rest, under rigid motion and under uniform scaling the file's own normals come back. Where the space is `mirrored` the normal
+/// is the one on the side of cross(f1, f2), which then is the inner one.
+void raiseFit(const Surface &surface, std::size_t s, const Mat3 &restFromSpace, bool mirrored, Vec3 &f1, Vec3 &f2, Vec3 &normal) {
     f1 = restFromSpace * f1;
     f2 = restFromSpace * f2;
     const Vec2 slope = mirrored ? -surface.slope[s] : surface.slope[s];
@@ -132,7 +158,7 @@ void throwNotFinite(const std::string &name) {
 
 void evaluateGradient(const Surface &surface, const MotionState &motion, const SkinWeights &skin, GradientEstimator estimator,
                       const std::string &name, SurfaceGradient &out) {
-    if (estimator == GradientEstimator::Fit) {
+    if (estimator != GradientEstimator::Analytic) {
         std::vector<Vec3> positions;
         evaluatePositions(motion, skin, positions);
         fitGradient(surface, positions, motion.mirrored, name, out);
@@ -147,8 +173,10 @@ void evaluateGradient(const Surface &surface, const MotionState &motion, const S
         Vec3 f1 = surface.e1[s];
         Vec3 f2 = surface.e2[s];
         Vec3 n = surface.normals[s];
-        if (motion.controlMoved && surface.stencilOffsets[s] != surface.stencilOffsets[s + 1])
-            fitAt(surface, s, motion.control, surface.restFromObject, false, f1, f2, n);
+        if (motion.controlMoved && surface.stencilOffsets[s] != surface.stencilOffsets[s + 1]) {
+            differentiate(surface, s, motion.control, f1, f2);
+            raiseFit(surface, s, surface.restFromObject, false, f1, f2, n);
+        }
         const Blend blend = blendAt(surface, s, motion, skin, x);
         Vec3 position = transformPoint(blend.map, x);
         f1 = transformVector(blend.map, objectFromRest * f1) + blend.drift1;
@@ -175,19 +203,25 @@ void evaluateGradient(const Surface &surface, const MotionState &motion, const S
     if (!finite) throwNotFinite(name);
 }
 
-void fitGradient(const Surface &surface, std::span<const Vec3> renderPositions, bool mirrored, const std::string &name,
-                 SurfaceGradient &out) {
+void fitGradient(const Surface &surface, std::span<const Vec3> renderPoints, bool mirrored, const std::string &name, SurfaceGradient &out) {
     const std::size_t count = surface.normals.size();
     resizeAll(out, count);
     std::atomic<bool> finite{true};
+    const bool onLimit = surface.onLimit();
     parallelFor(count, kGrain, [&](std::size_t s) {
-        out.position[s] = renderPositions[surface.surfacePosition[s]];
-        if (surface.stencilOffsets[s] == surface.stencilOffsets[s + 1]) {
+        bool known = surface.stencilOffsets[s] != surface.stencilOffsets[s + 1];
+        if (onLimit) {
+            known = differentiateLimit(surface, s, renderPoints, out.position[s], out.f1[s], out.f2[s]);
+        } else {
+            out.position[s] = renderPoints[surface.surfacePosition[s]];
+            if (known) differentiate(surface, s, renderPoints, out.f1[s], out.f2[s]);
+        }
+        if (known) {
+            raiseFit(surface, s, Mat3(1), mirrored, out.f1[s], out.f2[s], out.normal[s]);
+        } else {
             out.f1[s] = surface.e1[s];
             out.f2[s] = surface.e2[s];
             out.normal[s] = surface.normals[s];
-        } else {
-            fitAt(surface, s, renderPositions, Mat3(1), mirrored, out.f1[s], out.f2[s], out.normal[s]);
         }
         if (mirrored) out.normal[s] = -out.normal[s];
         if (!isFinite(out.position[s])) finite = false;

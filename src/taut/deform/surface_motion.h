@@ -37,8 +37,15 @@ struct MotionState {
     bool mirrored = false;           ///< the map as a whole turns orientation over
 };
 
-/// How a surface gradient is computed; Fit uses final positions alone (for sequences, subdivision, and to check the other).
-enum class GradientEstimator { Analytic, Fit };
+/// How a surface gradient is computed. All but Analytic use final positions alone.
+enum class GradientEstimator {
+    Face,         ///< constant per triangle (face_gradient.h); first order
+    Area,         ///< area-weighted mean of the faces around a vertex
+    Angle,        ///< angle-weighted mean
+    LeastSquares, ///< the one-ring's best linear map
+    Limit,        ///< exact derivatives of the limit surface (subdivided meshes)
+    Analytic,     ///< carried through skin and deformers; from an Area fit where control points move by themselves
+};
 
 /// Gradient of every surface vertex in render space: x, and f1 = dx/de1, f2 = dx/de2 in the tangent plane of the unit normal.
 struct SurfaceGradient {
@@ -56,9 +63,8 @@ struct SurfaceFrame {
 void evaluateGradient(const Surface &surface, const MotionState &motion, const SkinWeights &skin, GradientEstimator estimator,
                       const std::string &name, SurfaceGradient &out);
 
-/// The same from positions alone, which are already in render space (a subdivided mesh).
-void fitGradient(const Surface &surface, std::span<const Vec3> renderPositions, bool mirrored, const std::string &name,
-                 SurfaceGradient &out);
+/// The same from positions alone, which are already in render space: those of the surface's mesh, or of the cage of a limit surface.
+void fitGradient(const Surface &surface, std::span<const Vec3> renderPoints, bool mirrored, const std::string &name, SurfaceGradient &out);
 
 /// Positions of control points in render space (for subdivision, and where only positions are wanted).
 void evaluatePositions(const MotionState &motion, const SkinWeights &skin, std::vector<Vec3> &out);

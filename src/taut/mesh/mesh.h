@@ -24,6 +24,18 @@ struct SkinWeights {
     [[nodiscard]] bool empty() const { return offsets.empty(); }
 };
 
+/// Sharpness of subdivision surfaces, in levels: 0 is smooth, a feature of sharpness s is kept sharp for s levels; from
+/// kInfinitelySharp on for ever (OpenSubdiv's convention).
+inline constexpr float kInfinitelySharp = 10;
+struct EdgeCrease {
+    Index a = 0, b = 0; ///< positions at the edge's ends
+    float sharpness = 0;
+};
+struct SharpCorner {
+    Index position = 0;
+    float sharpness = 0;
+};
+
 /// A polygon mesh. Face f has the corners [faceOffsets[f], faceOffsets[f+1]), counter-clockwise seen from outside.
 /// A corner attribute that the file lacks has an empty index array. An index may be kNone where single corners lack it.
 struct Mesh {
@@ -44,6 +56,9 @@ struct Mesh {
 
     std::vector<MorphTarget> morphs;
     SkinWeights skin;
+
+    std::vector<EdgeCrease> creases; ///< used by subdivide() alone, as are corners
+    std::vector<SharpCorner> corners;
 
     [[nodiscard]] std::size_t faceCount() const { return faceOffsets.size() - 1; }
     [[nodiscard]] std::size_t cornerCount() const { return cornerPositions.size(); }

@@ -1,4 +1,6 @@
-/// Wavefront OBJ (Wavefront Advanced Visualizer Manual, appendix B1): polygons with positions, normals and uvs per corner.
+/// Wavefront OBJ (Wavefront Advanced Visualizer Manual, appendix B1): polygons with positions, normals and uvs per corner; and
+/// the tags `t crease` and `t corner` that subdivision tools write into it (OpenSubdiv's test shapes): counts of integers,
+/// numbers and texts, then these, with positions from 0.
 
 #include "taut/mesh/read_formats.h"
 #include "taut/mesh/text_scanner.h"
@@ -66,6 +68,8 @@ class ObjReader {
             readFace();
         } else if (keyword == "usemtl") {
             material_ = materialSlot(std::string(scanner_.restOfLine()));
+        } else if (keyword == "t") {
+            readTag();
         } else if (std::find(kKeywords.begin(), kKeywords.end(), keyword) == kKeywords.end()) {
             failInput(scanner_.where(), taut::quoted(keyword),
                       "an OBJ keyword; did you mean " + taut::quoted(nearestName(keyword, kKeywords)) + "?");
@@ -92,6 +96,42 @@ class ObjReader {
                       "at least 3 corners");
         mesh_.faceOffsets.push_back(static_cast<Index>(mesh_.cornerPositions.size()));
         mesh_.faceMaterials.push_back(material_ == kNone ? 0 : material_);
+    }
+
+    /// "crease n/m/0 v0 .. vn-1 s0 .. sm-1": a chain of edges, one sharpness for all or one for each; "corner" likewise, of
+    /// single positions. Other tags are about things that are not read.
+    void readTag() {
+        const std::string_view tag = scanner_.word();
+        if (tag != "crease" && tag != "corner") return;
+        const std::string_view counts = scanner_.word();
+        std::size_t integers = 0;
+        std::size_t numbers = 0;
+        const char *end = counts.data() + counts.size();
+        const auto first = std::from_chars(counts.data(), end, integers);
+        const bool slash = first.ec == std::errc() && first.ptr != end && *first.ptr == '/';
+        const auto second = slash ? std::from_chars(first.ptr + 1, end, numbers) : first;
+        if (!slash || second.ec != std::errc() || integers > 1U << 20U || numbers > integers)
+            failInput(scanner_.where(), taut::quoted(counts), "the counts of a tag, such as 2/1/0");
+        std::vector<Index> positions;
+        for (std::size_t i = 0; i < integers; ++i) {
+            const std::string_view digits = scanner_.word();
+            Index position = 0;
+            const auto [stop, error] = std::from_chars(digits.data(), digits.data() + digits.size(), position);
+            if (error != std::errc() || stop != digits.data() + digits.size() || position >= mesh_.positions.size())
+                failInput(scanner_.where(), taut::quoted(digits),
+                          "a position, 0 to " + std::to_string(mesh_.positions.size()) + " excluded");
+            positions.push_back(position);
+        }
+        const std::size_t features = tag == "corner" ? integers : integers - std::min<std::size_t>(integers, 1);
+        float sharpness = kInfinitelySharp;
+        for (std::size_t i = 0; i < features; ++i) {
+            if (i < numbers) sharpness = scanner_.number("a sharpness");
+            if (!(sharpness >= 0)) failInput(scanner_.where(), std::to_string(sharpness), "a sharpness, at least 0");
+            if (tag == "corner")
+                mesh_.corners.push_back({positions[i], sharpness});
+            else
+                mesh_.creases.push_back({positions[i], positions[i + 1], sharpness});
+        }
     }
 
     /// v, v/t, v//n or v/t/n.

@@ -2,15 +2,17 @@
 
 #include "taut/base/error.h"
 #include "taut/base/parallel.h"
+#include "taut/mesh/limit_rows.h"
+#include "taut/mesh/triangulate.h"
 
 #include <opensubdiv/far/error.h>
 #include <opensubdiv/far/primvarRefiner.h>
-#include <opensubdiv/far/stencilTableFactory.h>
 #include <opensubdiv/far/topologyDescriptor.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <numeric>
@@ -23,9 +25,6 @@ namespace {
 namespace Far = OpenSubdiv::Far;
 namespace Sdc = OpenSubdiv::Sdc;
 
-// Weights are products of up to six masks: kept in double until the finished row is rounded once.
-using RefinedTable = Far::StencilTableReal<double>;
-using RefinedTableFactory = Far::StencilTableFactoryReal<double>;
 using PrimvarRefiner = Far::PrimvarRefinerReal<double>;
 
 constexpr std::size_t kGrain = 2048;
@@ -140,12 +139,60 @@ CageFaces facesOf(const Mesh &cage) {
 
 using RefinerPointer = std::unique_ptr<Far::TopologyRefiner>;
 
-RefinerPointer makeRefiner(const Mesh &cage, const CageFaces &faces, int level) {
+/// Creases of the mesh, and those of edges whose two faces turn by more than the options' angle, as OpenSubdiv takes them.
+struct Features {
+    std::vector<int> edges; ///< pairs
+    std::vector<float> edgeSharpness;
+    std::vector<int> corners;
+    std::vector<float> cornerSharpness;
+};
+
+Features featuresOf(const Mesh &cage, const CageFaces &faces, float creaseAngle) {
+    Features features;
+    const auto addEdge = [&](Index a, Index b, float sharpness) {
+        features.edges.insert(features.edges.end(), {static_cast<int>(a), static_cast<int>(b)});
+        features.edgeSharpness.push_back(sharpness);
+    };
+    for (const EdgeCrease &crease : cage.creases) addEdge(crease.a, crease.b, crease.sharpness);
+    for (const SharpCorner &corner : cage.corners) {
+        features.corners.push_back(static_cast<int>(corner.position));
+        features.cornerSharpness.push_back(corner.sharpness);
+    }
+    if (!(creaseAngle < kPi)) return features;
+    std::map<std::pair<int, int>, DVec3> firstNormal;
+    std::size_t begin = 0;
+    for (const int size : faces.sizes) {
+        const auto count = static_cast<std::size_t>(size);
+        std::vector<Vec3> points;
+        for (std::size_t k = 0; k < count; ++k) points.push_back(cage.positions[static_cast<std::size_t>(faces.corners[begin + k])]);
+        const DVec3 normal = glm::normalize(DVec3(polygonNormal(points)));
+        for (std::size_t k = 0; k < count; ++k) {
+            const int a = faces.corners[begin + k];
+            const int b = faces.corners[begin + (k + 1) % count];
+            const auto [other, isFirst] = firstNormal.try_emplace(std::minmax(a, b), normal);
+            if (!isFirst && glm::dot(other->second, normal) < std::cos(static_cast<double>(creaseAngle)))
+                addEdge(static_cast<Index>(a), static_cast<Index>(b), kInfinitelySharp);
+        }
+        begin += count;
+    }
+    return features;
+}
+
+using RefinerPointer = std::unique_ptr<Far::TopologyRefiner>;
+
+RefinerPointer makeRefiner(const Mesh &cage, const CageFaces &faces, const SubdivisionOptions &options) {
     Far::TopologyDescriptor topology;
     topology.numVertices = static_cast<int>(cage.positions.size());
     topology.numFaces = static_cast<int>(faces.sizes.size());
     topology.numVertsPerFace = faces.sizes.data();
     topology.vertIndicesPerFace = faces.corners.data();
+    const Features features = featuresOf(cage, faces, options.creaseAngle);
+    topology.numCreases = static_cast<int>(features.edgeSharpness.size());
+    topology.creaseVertexIndexPairs = features.edges.data();
+    topology.creaseWeights = features.edgeSharpness.data();
+    topology.numCorners = static_cast<int>(features.cornerSharpness.size());
+    topology.cornerVertexIndices = features.corners.data();
+    topology.cornerWeights = features.cornerSharpness.data();
     Far::TopologyDescriptor::FVarChannel uvChannel;
     if (!faces.uvs.empty()) {
         uvChannel.numValues = static_cast<int>(cage.uvs.size());
@@ -154,94 +201,21 @@ RefinerPointer makeRefiner(const Mesh &cage, const CageFaces &faces, int level) 
         topology.fvarChannels = &uvChannel;
     }
 
-    Sdc::Options scheme;
-    scheme.SetVtxBoundaryInterpolation(Sdc::Options::VTX_BOUNDARY_EDGE_AND_CORNER);
-    scheme.SetFVarLinearInterpolation(Sdc::Options::FVAR_LINEAR_CORNERS_ONLY);
+    Sdc::Options rules;
+    rules.SetVtxBoundaryInterpolation(options.boundary == SubdivisionBoundary::EdgeOnly ? Sdc::Options::VTX_BOUNDARY_EDGE_ONLY
+                                                                                        : Sdc::Options::VTX_BOUNDARY_EDGE_AND_CORNER);
+    rules.SetFVarLinearInterpolation(Sdc::Options::FVAR_LINEAR_CORNERS_ONLY);
+    const bool loop = options.scheme == SubdivisionScheme::Loop;
+    if (loop && std::any_of(faces.sizes.begin(), faces.sizes.end(), [](int size) { return size != 3; }))
+        fail(cage, "found a face with more than three corners, expected triangles for the scheme \"loop\"");
     using Factory = Far::TopologyRefinerFactory<Far::TopologyDescriptor>;
     const FarMessages messages;
-    RefinerPointer refiner(Factory::Create(topology, Factory::Options(Sdc::SCHEME_CATMARK, scheme)));
+    RefinerPointer refiner(Factory::Create(topology, Factory::Options(loop ? Sdc::SCHEME_LOOP : Sdc::SCHEME_CATMARK, rules)));
     if (!refiner) fail(cage, FarMessages::last());
-    Far::TopologyRefiner::UniformOptions uniform(level);
+    Far::TopologyRefiner::UniformOptions uniform(options.level);
     uniform.fullTopologyInLastLevel = true; // what limit masks ask for
     refiner->RefineUniform(uniform);
     return refiner;
-}
-
-/// A row of limit weights under construction, fed by PrimvarRefiner as if it were a point.
-class Row {
-  public:
-    explicit Row(const RefinedTable &refined) : refined_(refined), weights_(static_cast<std::size_t>(refined.GetNumControlVertices()), 0) {}
-
-    void Clear() {
-        for (const Index index : indices_) weights_[index] = 0;
-        indices_.clear();
-    }
-    /// Adds `weight` times the row of a refined vertex.
-    void AddWithWeight(int vertex, double weight) {
-        const auto row = refined_.GetStencil(vertex);
-        for (int k = 0; k < row.GetSize(); ++k) {
-            const double added = weight * row.GetWeights()[k];
-            if (added == 0) continue;
-            const auto index = static_cast<Index>(row.GetVertexIndices()[k]);
-            if (weights_[index] == 0) indices_.push_back(index);
-            weights_[index] += added;
-        }
-    }
-    void appendTo(StencilTable &table) {
-        std::sort(indices_.begin(), indices_.end()); // neighbouring points are read in order
-        for (const Index index : indices_) {
-            table.indices.push_back(index);
-            table.weights.push_back(static_cast<float>(weights_[index]));
-        }
-        if (table.indices.size() > std::numeric_limits<Index>::max()) throw RunError("a subdivided mesh has too many stencil weights");
-        table.offsets.push_back(static_cast<Index>(table.indices.size()));
-    }
-
-  private:
-    const RefinedTable &refined_;
-    std::vector<double> weights_; ///< [control points], zero but at indices_. Masks hold no negative weight: none cancels
-    std::vector<Index> indices_;
-};
-
-/// Source of PrimvarRefiner::Limit: a refined vertex stands for itself.
-struct VertexNumbers {
-    int operator[](int vertex) const { return vertex; }
-};
-
-/// Destination of PrimvarRefiner::Limit, which visits the vertices in order: one row is held at a time.
-class RowWriter {
-  public:
-    RowWriter(const RefinedTable &refined, StencilTable &table) : row_(refined), table_(table) {}
-
-    Row &operator[](int vertex) {
-        if (vertex != current_) finish();
-        current_ = vertex;
-        return row_;
-    }
-    void finish() {
-        if (current_ >= 0) row_.appendTo(table_);
-    }
-
-  private:
-    Row row_;
-    StencilTable &table_;
-    int current_ = -1;
-};
-
-StencilTable limitStencils(const Far::TopologyRefiner &refiner) {
-    RefinedTableFactory::Options options;
-    options.generateIntermediateLevels = false;
-    options.maxLevel = static_cast<unsigned>(refiner.GetMaxLevel()) & 0xfU;
-    const std::unique_ptr<const RefinedTable> refined(RefinedTableFactory::Create(refiner, options));
-
-    StencilTable table;
-    table.offsets.reserve(static_cast<std::size_t>(refined->GetNumStencils()) + 1);
-    table.indices.reserve(refined->GetControlIndices().size() * 5 / 4);
-    table.weights.reserve(table.indices.capacity());
-    RowWriter rows(*refined, table);
-    PrimvarRefiner(refiner).Limit(VertexNumbers{}, rows);
-    rows.finish();
-    return table;
 }
 
 /// Texture coordinates as PrimvarRefiner wants them.
@@ -317,19 +291,18 @@ void applyStencils(const StencilTable &stencils, const std::vector<Vec3> &in, st
     });
 }
 
-Subdivision subdivide(const Mesh &cage, int level) {
-    checkSize(cage, level);
-    if (level == 0) return identity(cage);
+Subdivision subdivide(const Mesh &cage, const SubdivisionOptions &options) {
+    checkSize(cage, options.level);
+    if (options.level == 0) return identity(cage);
     const CageFaces faces = facesOf(cage);
-    const RefinerPointer refiner = makeRefiner(cage, faces, level);
+    const RefinerPointer refiner = makeRefiner(cage, faces, options);
     Subdivision result;
-    result.mesh = refinedFaces(refiner->GetLevel(level));
+    result.mesh = refinedFaces(refiner->GetLevel(options.level));
     result.mesh.name = cage.name;
     result.mesh.materialNames = cage.materialNames;
     result.mesh.faceMaterials = refinedMaterials(*refiner, faces.materials);
     if (refiner->GetNumFVarChannels() > 0) refineUvs(*refiner, cage, result.mesh);
-    result.positions = limitStencils(*refiner);
-    applyStencils(result.positions, cage.positions, result.mesh.positions);
+    makeLimitRows(*refiner, options.scheme, cage.positions, result);
     return result;
 }
 

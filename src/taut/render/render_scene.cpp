@@ -1,6 +1,7 @@
 #include "taut/render/render_scene.h"
 
 #include "taut/base/parallel.h"
+#include "taut/mesh/weld.h"
 
 #include <algorithm>
 #include <chrono>
@@ -79,8 +80,11 @@ RenderScene::RenderScene(const Scene &scene, bool animated) : scene_(&scene), em
         options.smooth = object.object->smooth;
         options.weld = object.object->gltf.has_value();
         if (object.object->subdivision > 0) {
-            object.subdivision = subdivide(*object.object->mesh, object.object->subdivision);
-            options.smooth = true;
+            const Mesh cage = options.weld ? welded(*object.object->mesh) : *object.object->mesh;
+            object.subdivision = subdivide(cage, {.level = object.object->subdivision});
+            options.limit = &*object.subdivision;
+            options.cage = object.object->mesh->positions;
+            options.weld = false;
         }
         object.surface = buildSurface(object.mesh(), options);
         if (!object.object->rest.bind) {
@@ -99,9 +103,8 @@ void RenderScene::deformObject(RenderObject &object, double frame, const DMat4 &
     object.mirrored = state.mirrored;
     if (object.subdivision) {
         evaluatePositions(state, source.mesh->skin, object.cage);
-        applyStencils(object.subdivision->positions, object.cage, object.refined);
         times.deformation += watch.lap();
-        fitGradient(object.surface, object.refined, state.mirrored, source.name, object.gradient);
+        fitGradient(object.surface, object.cage, state.mirrored, source.name, object.gradient);
     } else {
         times.deformation += watch.lap();
         evaluateGradient(object.surface, state, source.mesh->skin, GradientEstimator::Analytic, source.name, object.gradient);

@@ -22,8 +22,7 @@ struct RenderObject {
     std::optional<Subdivision> subdivision;
     Surface surface;
     ObjectMotion motion;
-    std::vector<Vec3> cage;    ///< subdivision: control points in render space
-    std::vector<Vec3> refined; ///< subdivision: refined points
+    std::vector<Vec3> cage; ///< subdivision: control points in render space
     SurfaceGradient gradient;
     SurfaceFrame frame;
     std::vector<SymmetricTensor> stretch; ///< [vertices] left stretch tensor V; empty: the identity (rigid, or follow = false)
