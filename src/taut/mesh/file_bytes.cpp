@@ -3,6 +3,8 @@
 #include "taut/base/error.h"
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 
@@ -33,17 +35,53 @@ std::string lowerExtension(std::string_view path) {
     return extension;
 }
 
-void writeFileWhole(const std::string &path, std::string_view bytes) {
-    const std::string partial = path + ".partial";
-    {
-        std::ofstream out(partial, std::ios::binary | std::ios::trunc);
-        out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-        out.close();
-        if (!out) throw RunError(partial + ": could not be written");
+OutputFile::OutputFile(const std::string &path) : path_(path), partial_(path + ".partial") {
+    std::error_code ignored; // the open below fails where this did
+    if (const fs::path folder = fs::path(path).parent_path(); !folder.empty()) fs::create_directories(folder, ignored);
+    file_ = std::fopen(partial_.c_str(), "wb");
+    if (file_ == nullptr) fail(std::strerror(errno));
+}
+
+OutputFile::~OutputFile() {
+    if (file_ == nullptr) return;
+    std::fclose(file_);
+    std::remove(partial_.c_str());
+}
+
+void OutputFile::fail(const std::string &what) {
+    if (file_ != nullptr) {
+        std::fclose(file_);
+        std::remove(partial_.c_str());
+        file_ = nullptr;
     }
+    throw RunError(path_ + ": could not be written: " + what);
+}
+
+void OutputFile::write(std::string_view bytes) {
+    if (std::fwrite(bytes.data(), 1, bytes.size(), file_) != bytes.size()) fail(std::strerror(errno));
+}
+
+void OutputFile::patch(long offset, std::string_view bytes) {
+    if (std::fseek(file_, offset, SEEK_SET) != 0) fail(std::strerror(errno));
+    write(bytes);
+    if (std::fseek(file_, 0, SEEK_END) != 0) fail(std::strerror(errno));
+}
+
+void OutputFile::finish() {
+    const bool closed = std::fclose(file_) == 0;
+    file_ = nullptr;
+    const std::string reason = std::strerror(errno);
     std::error_code error;
-    fs::rename(partial, path, error);
-    if (error) throw RunError(path + ": could not be written: " + error.message());
+    if (closed) fs::rename(partial_, path_, error);
+    if (closed && !error) return;
+    std::remove(partial_.c_str());
+    fail(closed ? error.message() : reason);
+}
+
+void writeFileWhole(const std::string &path, std::string_view bytes) {
+    OutputFile out(path);
+    out.write(bytes);
+    out.finish();
 }
 
 } // namespace taut

@@ -1,30 +1,15 @@
 #include "taut/render/render_scene.h"
 
 #include "taut/base/parallel.h"
-#include "taut/mesh/weld.h"
+#include "taut/base/stopwatch.h"
 
 #include <algorithm>
-#include <chrono>
 
 namespace taut {
 
 namespace {
 
 constexpr std::size_t kGrain = 2048;
-
-class Stopwatch {
-  public:
-    /// Seconds since construction or the last lap.
-    double lap() {
-        const auto now = std::chrono::steady_clock::now();
-        const double seconds = std::chrono::duration<double>(now - start_).count();
-        start_ = now;
-        return seconds;
-    }
-
-  private:
-    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 bool emits(const Object &object) {
     return object.emission.value != Vec3(0);
@@ -73,43 +58,9 @@ StageTimes &StageTimes::operator+=(const StageTimes &other) {
 RenderScene::RenderScene(const Scene &scene, bool animated) : scene_(&scene), embree_(animated), objects_(scene.objects.size()) {
     for (std::size_t i = 0; i < objects_.size(); ++i) {
         RenderObject &object = objects_[i];
-        object.object = &scene.objects[i];
-        object.rigid = isRigid(*object.object);
-        SurfaceOptions options;
-        options.restFromObject = restFromObject(*object.object);
-        options.smooth = object.object->smooth;
-        options.weld = object.object->gltf.has_value();
-        if (object.object->subdivision > 0) {
-            const Mesh cage = options.weld ? welded(*object.object->mesh) : *object.object->mesh;
-            object.subdivision = subdivide(cage, {.level = object.object->subdivision});
-            options.limit = &*object.subdivision;
-            options.cage = object.object->mesh->positions;
-            options.weld = false;
-        }
-        object.surface = buildSurface(object.mesh(), options);
-        if (!object.object->rest.bind) {
-            StageTimes ignored;
-            deformObject(object, object.object->rest.frame, DMat4(1), ignored);
-            setRestFrom(object.surface, object.gradient);
-        }
+        object.rigid = isRigid(scene.objects[i]);
+        prepareObjectSurface(scene.objects[i], scene.render.fps, object);
     }
-}
-
-void RenderScene::deformObject(RenderObject &object, double frame, const DMat4 &renderFromWorld, StageTimes &times) {
-    Stopwatch watch;
-    const Object &source = *object.object;
-    motionAtFrame(source, frame, scene_->render.fps, renderFromWorld, object.motion);
-    const MotionState &state = object.motion.state;
-    object.mirrored = state.mirrored;
-    if (object.subdivision) {
-        evaluatePositions(state, source.mesh->skin, object.cage);
-        times.deformation += watch.lap();
-        fitGradient(object.surface, object.cage, state.mirrored, source.name, object.gradient);
-    } else {
-        times.deformation += watch.lap();
-        evaluateGradient(object.surface, state, source.mesh->skin, GradientEstimator::Analytic, source.name, object.gradient);
-    }
-    times.gradient += watch.lap();
 }
 
 void RenderScene::setFrame(double frame, StageTimes &times) {
@@ -121,9 +72,8 @@ void RenderScene::setFrame(double frame, StageTimes &times) {
     renderFromWorld[3] = glm::dvec4(-(rotation * DVec3(worldFromRender_[3])), 1);
 
     for (RenderObject &object : objects_) {
-        deformObject(object, frame, renderFromWorld, times);
+        surfaceAtFrame(object, frame, scene_->render.fps, renderFromWorld, times.deformation, times.gradient);
         Stopwatch watch;
-        spreadToVertices(object.surface, object.gradient, object.frame);
         makeShadingGradient(object);
         times.gradient += watch.lap();
     }

@@ -5,33 +5,19 @@
 /// before anything is rounded to float. So a motion that objects and camera share leaves the same bits behind.
 
 #include "taut/deform/stretch.h"
-#include "taut/deform/surface_motion.h"
-#include "taut/mesh/subdivide.h"
 #include "taut/render/embree_scene.h"
 #include "taut/render/lights.h"
-#include "taut/scene/object_motion.h"
+#include "taut/scene/object_surface.h"
 #include "taut/scene/scene.h"
-
-#include <optional>
 
 namespace taut {
 
 /// One object of the scene with its buffers; all per-vertex data are in render space.
-struct RenderObject {
-    const Object *object = nullptr;
-    std::optional<Subdivision> subdivision;
-    Surface surface;
-    ObjectMotion motion;
-    std::vector<Vec3> cage; ///< subdivision: control points in render space
-    SurfaceGradient gradient;
-    SurfaceFrame frame;
+struct RenderObject : ObjectSurface {
     std::vector<SymmetricTensor> stretch; ///< [vertices] left stretch tensor V; empty: the identity (rigid, or follow = false)
     std::vector<Vec4> tangents;           ///< [vertices] rotated tangent and sense, polarGradient()
     bool rigid = false;
-    bool mirrored = false; ///< triangles are seen the other way round
     Index geometry = kNone;
-
-    [[nodiscard]] const Mesh &mesh() const { return subdivision ? subdivision->mesh : *object->mesh; }
 };
 
 /// Seconds spent, by stage; shading stages are summed over threads.
@@ -68,7 +54,6 @@ class RenderScene {
     [[nodiscard]] Index lightEntryOfObject(Index object) const { return lightEntries_[object]; }
 
   private:
-    void deformObject(RenderObject &object, double frame, const DMat4 &renderFromWorld, StageTimes &times);
     void placeLights(const DMat4 &renderFromWorld);
 
     const Scene *scene_;

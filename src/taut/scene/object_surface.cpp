@@ -1,0 +1,55 @@
+#include "taut/scene/object_surface.h"
+
+#include "taut/base/stopwatch.h"
+#include "taut/mesh/weld.h"
+
+namespace taut {
+
+void prepareObjectSurface(const Object &object, double fps, ObjectSurface &out) {
+    out.object = &object;
+    SurfaceOptions options;
+    options.restFromObject = restFromObject(object);
+    options.smooth = object.smooth;
+    options.weld = object.gltf.has_value();
+    if (object.subdivision > 0) {
+        const Mesh cage = options.weld ? welded(*object.mesh) : *object.mesh;
+        out.subdivision = subdivide(cage, {.level = object.subdivision});
+        options.limit = &*out.subdivision;
+        options.cage = object.mesh->positions;
+        options.weld = false;
+    }
+    out.surface = buildSurface(out.mesh(), options);
+    if (!object.rest.bind) {
+        double ignored = 0;
+        deformAtFrame(out, object.rest.frame, fps, DMat4(1), ignored, ignored);
+        setRestFrom(out.surface, out.gradient);
+    }
+}
+
+void deformAtFrame(ObjectSurface &object, double frame, double fps, const DMat4 &targetFromWorld, double &deformationSeconds,
+                   double &gradientSeconds) {
+    Stopwatch watch;
+    const Object &source = *object.object;
+    motionAtFrame(source, frame, fps, targetFromWorld, object.motion);
+    const MotionState &state = object.motion.state;
+    object.mirrored = state.mirrored;
+    if (object.subdivision) {
+        evaluatePositions(state, source.mesh->skin, object.cage);
+        deformationSeconds += watch.lap();
+        fitGradient(object.surface, object.cage, state.mirrored, source.name, object.gradient);
+    } else {
+        deformationSeconds += watch.lap();
+        evaluateGradient(object.surface, state, source.mesh->skin, GradientEstimator::Analytic, source.name, object.gradient);
+    }
+    gradientSeconds += watch.lap();
+}
+
+void surfaceAtFrame(ObjectSurface &object, double frame, double fps, const DMat4 &targetFromWorld, double &deformationSeconds,
+                    double &gradientSeconds) {
+    deformAtFrame(object, frame, fps, targetFromWorld, deformationSeconds, gradientSeconds);
+    Stopwatch watch;
+    spreadToVertices(object.surface, object.gradient, object.frame);
+    gradientSeconds += watch.lap();
+}
+
+} // namespace taut

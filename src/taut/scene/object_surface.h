@@ -1,0 +1,39 @@
+#pragma once
+/// One object of a scene as a deforming surface: topology built once, positions, normals and surface gradient at any frame.
+/// What the renderer traces and what `taut export` writes.
+
+#include "taut/mesh/subdivide.h"
+#include "taut/scene/object_motion.h"
+
+#include <optional>
+
+namespace taut {
+
+/// Buffers of one object. "Target space" is wherever `targetFromWorld` of the last evaluation leads: camera space for the
+/// renderer, world space for the export.
+struct ObjectSurface {
+    const Object *object = nullptr;
+    std::optional<Subdivision> subdivision;
+    Surface surface;
+    ObjectMotion motion;
+    std::vector<Vec3> cage; ///< subdivision: control points in target space
+    SurfaceGradient gradient;
+    SurfaceFrame frame;    ///< filled by surfaceAtFrame
+    bool mirrored = false; ///< triangles are seen the other way round
+
+    [[nodiscard]] const Mesh &mesh() const { return subdivision ? subdivision->mesh : *object->mesh; }
+};
+
+/// Builds topology and the rest state. Keeps a reference to `object`.
+void prepareObjectSurface(const Object &object, double fps, ObjectSurface &out);
+
+/// Positions and gradient of the surface vertices at a frame, in target space. Adds the seconds that positions took to
+/// `deformationSeconds`, those of gradients to `gradientSeconds`.
+void deformAtFrame(ObjectSurface &object, double frame, double fps, const DMat4 &targetFromWorld, double &deformationSeconds,
+                   double &gradientSeconds);
+
+/// The same, spread to the render vertices: object.frame.
+void surfaceAtFrame(ObjectSurface &object, double frame, double fps, const DMat4 &targetFromWorld, double &deformationSeconds,
+                    double &gradientSeconds);
+
+} // namespace taut
