@@ -98,6 +98,28 @@ std::vector<double> spread(const std::vector<double> &times, std::size_t count) 
     return chosen;
 }
 
+/// Largest errors of one primitive over the times, and how far it moves.
+struct PrimitiveErrors {
+    std::size_t vertices = 0;
+    double largest = 0;
+    double farthest = 0;
+};
+PrimitiveErrors comparePrimitive(const Loaded &loaded, const Object &ours, const std::function<std::vector<DVec3>(double)> &expectedAt,
+                                 double duration) {
+    const std::vector<DVec3> start = expectedAt(0);
+    PrimitiveErrors errors{start.size(), 0, 0};
+    for (const double share : kShares) {
+        const double seconds = share * duration;
+        const std::vector<DVec3> expected = expectedAt(seconds);
+        const double error = relativeError(loaded.positions(ours, seconds), expected);
+        INFO(ours.name << " at " << seconds << " s");
+        CHECK(error <= 2e-6);
+        errors.largest = std::max(errors.largest, error);
+        errors.farthest = std::max(errors.farthest, relativeError(expected, start));
+    }
+    return errors;
+}
+
 /// The first clip, at times on keys, between them and outside.
 void compareWithReference(const std::string &path) {
     const Loaded loaded(path);
@@ -111,17 +133,12 @@ void compareWithReference(const std::string &path) {
         const auto &primitives = reference.primitives(node);
         REQUIRE(ours.size() == primitives.size());
         for (std::size_t i = 0; i < ours.size(); ++i) {
-            const std::vector<DVec3> start = reference.positions(node, primitives[i], 0, 0);
-            vertices += start.size();
-            for (const double share : kShares) {
-                const double seconds = share * duration;
-                const std::vector<DVec3> expected = reference.positions(node, primitives[i], 0, seconds);
-                const double error = relativeError(loaded.positions(*ours[i], seconds), expected);
-                INFO(path << ", " << nameOf(reference, node) << " at " << seconds << " s");
-                CHECK(error <= 2e-6);
-                largest = std::max(largest, error);
-                farthest = std::max(farthest, relativeError(expected, start));
-            }
+            INFO(path << ", " << nameOf(reference, node));
+            const auto expectedAt = [&](double seconds) { return reference.positions(node, primitives[i], 0, seconds); };
+            const PrimitiveErrors errors = comparePrimitive(loaded, *ours[i], expectedAt, duration);
+            vertices += errors.vertices;
+            largest = std::max(largest, errors.largest);
+            farthest = std::max(farthest, errors.farthest);
         }
     }
     CHECK(farthest > 1e-3); // it did move

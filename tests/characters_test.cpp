@@ -1,6 +1,7 @@
 /// Real skinned and morphed characters over 24 frames: they move, they stay finite, and nothing untrue is said about them.
 
 #include "assets.h"
+#include "render_fixtures.h"
 
 #include "taut/render/render_frame.h"
 #include "taut/scene/load_scene.h"
@@ -8,6 +9,7 @@
 #include <catch2/catch.hpp>
 
 using namespace taut;
+using namespace taut::test;
 
 TEST_CASE("glTF characters render over 24 frames", "[characters]") {
     for (const char *file : {"anim/khronos/Fox.glb", "anim/khronos/CesiumMan.glb", "anim/khronos/RiggedFigure.glb", "anim/khronos/AnimatedMorphSphere.glb",
@@ -34,11 +36,11 @@ TEST_CASE("glTF characters render over 24 frames", "[characters]") {
             double covered = 0;
             for (std::size_t p = 3; p < image.size(); p += 4) covered += static_cast<double>(image[p]);
             CHECK(covered > 20);
-            const std::vector<Vec3> &positions = ready.objects()[0].frame.positions;
+            const std::vector<Vec3> &positions = ready.objects()[0].steps[0].positions;
             if (first.empty()) first = positions;
             moved = moved || !std::equal(positions.begin(), positions.end() - 1, first.begin());
             for (const RenderObject &object : ready.objects())
-                for (const Vec3 &n : object.frame.normals) REQUIRE(glm::length(n) == Approx(1).epsilon(1e-4));
+                for (const Vec3 &n : object.steps[0].normals) REQUIRE(glm::length(n) == Approx(1).epsilon(1e-4));
         }
         CHECK(moved);
     }
@@ -53,22 +55,20 @@ TEST_CASE("A character's constant armature scale changes no alpha", "[characters
         INFO(file);
         Warnings warnings;
         const Scene scene = loadScene(*path, {}, warnings);
-        RenderScene ready(scene, false);
-        StageTimes times;
-        ready.setFrame(1, times);
         // Over a whole character the typical stretch of a pose is near one.
         std::vector<float> stretches;
-        for (const RenderObject &object : ready.objects())
-            for (std::size_t v = 0; v < object.frame.ds.size(); ++v) stretches.push_back(std::sqrt(glm::length(glm::cross(object.frame.ds[v], object.frame.dt[v]))));
+        for (const Object &object : scene.objects) {
+            const SurfaceFrame surface = surfaceOf(object, 1);
+            for (std::size_t v = 0; v < surface.ds.size(); ++v)
+                stretches.push_back(std::sqrt(glm::length(glm::cross(surface.ds[v], surface.dt[v]))));
+        }
         std::nth_element(stretches.begin(), stretches.begin() + static_cast<std::ptrdiff_t>(stretches.size() / 2), stretches.end());
         CHECK(stretches[stretches.size() / 2] == Approx(1).epsilon(0.1));
         // And scaling everything by a constant changes no stretch at all.
         const Scene scaled = loadScene(*path, {"mesh.0.scale=100"}, warnings);
-        RenderScene scaledReady(scaled, false);
-        scaledReady.setFrame(1, times);
-        for (std::size_t i = 0; i < ready.objects().size(); ++i) {
-            const SurfaceFrame &a = ready.objects()[i].frame;
-            const SurfaceFrame &b = scaledReady.objects()[i].frame;
+        for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+            const SurfaceFrame a = surfaceOf(scene.objects[i], 1);
+            const SurfaceFrame b = surfaceOf(scaled.objects[i], 1);
             for (std::size_t v = 0; v < a.ds.size(); ++v) {
                 const float size = std::fmax(glm::length(a.ds[v]), glm::length(a.dt[v]));
                 REQUIRE(glm::length(b.ds[v]) == Approx(glm::length(a.ds[v])).margin(1e-3F * size));

@@ -126,7 +126,7 @@ TEST_CASE("cli: info counts what is there and bounds the stretch", "[cli]") {
     CHECK(info["frames"] == 3);
     CHECK(info["first_frame"] == 1);
     CHECK(info["last_frame"] == 3);
-    CHECK(info["materials"] == 1);
+    CHECK(info["materials"].size() == 1);
     CHECK(info["textures"] == 0);
     CHECK(info["lights"] == 1);
     CHECK(info["environment"] == true);

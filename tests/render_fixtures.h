@@ -48,6 +48,15 @@ inline Scene smallScene(Object object, const Material &material, int size = 48) 
     return scene;
 }
 
+/// An object's surface at a frame, in world space.
+inline SurfaceFrame surfaceOf(const Object &object, double frame, double fps = 24) {
+    ObjectSurface surface;
+    prepareObjectSurface(object, fps, surface);
+    double ignored = 0;
+    surfaceAtFrame(surface, frame, fps, DMat4(1), ignored, ignored);
+    return surface.frame;
+}
+
 /// Renders one frame; interleaved channels of film.resolve().
 inline std::vector<float> renderImage(const Scene &scene, double frame, int spp, const std::vector<Aov> &aovs = {},
                                       std::uint32_t seed = 1) {

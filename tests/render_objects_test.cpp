@@ -63,13 +63,10 @@ TEST_CASE("Textured alpha, rotation and colour are what their texels say", "[ren
 
 TEST_CASE("A subdivided mesh is at rest where it is not deformed, and follows where it is", "[render][subdivision]") {
     Object torus = makeObject(makeTorus(12, 8, 0.8F, 0.3F));
-    torus.subdivision = 3;
+    torus.subdivision.level = 3;
     const auto stretchRange = [](const Object &object) {
         Scene scene = smallScene(object, ggxMaterial(0.2F, 0.2F));
-        RenderScene ready(scene, false);
-        StageTimes times;
-        ready.setFrame(1, times);
-        const SurfaceFrame &frame = ready.objects()[0].frame;
+        const SurfaceFrame frame = surfaceOf(scene.objects[0], 1);
         Vec2 range(kInfinity, 0);
         for (std::size_t v = 0; v < frame.ds.size(); ++v) {
             const float a = glm::length(frame.ds[v]);
@@ -100,12 +97,10 @@ TEST_CASE("A sequence of OBJ files moves, interpolates and carries its stretch",
     std::ofstream(folder + "/scene.toml") << "[[mesh]]\nfile = \"sheet.####.obj\"\n";
     Warnings warnings;
     const Scene scene = loadScene(folder + "/scene.toml", {}, warnings);
-    RenderScene ready(scene, true);
-    StageTimes times;
     for (const auto &[frame, stretch] : {std::pair(1.0, 1.0F), std::pair(2.0, 2.0F), std::pair(3.0, 3.0F), std::pair(2.5, 2.5F)}) {
-        ready.setFrame(frame, times);
-        for (const Vec3 &ds : ready.objects()[0].frame.ds) REQUIRE(glm::length(ds) == Approx(stretch).epsilon(1e-4));
-        for (const Vec3 &dt : ready.objects()[0].frame.dt) REQUIRE(glm::length(dt) == Approx(1).epsilon(1e-4));
+        const SurfaceFrame surface = surfaceOf(scene.objects[0], frame);
+        for (const Vec3 &ds : surface.ds) REQUIRE(glm::length(ds) == Approx(stretch).epsilon(1e-4));
+        for (const Vec3 &dt : surface.dt) REQUIRE(glm::length(dt) == Approx(1).epsilon(1e-4));
     }
 }
 

@@ -177,7 +177,7 @@ material = { Trim = "glass", Body = "car" }
     const Object &panel = scene.objects[0];
     CHECK(panel.name == "panel");
     CHECK(panel.materials == std::vector<Index>{0});
-    CHECK(panel.subdivision == 2);
+    CHECK(panel.subdivision.level == 2);
     CHECK(!panel.smooth);
     CHECK(!panel.follow);
     CHECK(!panel.rest.bind);

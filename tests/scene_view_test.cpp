@@ -79,7 +79,7 @@ TEST_CASE("a bare mesh is a scene", "[scene]") {
     const Scene scene = loadScene(
         folder + "/panel.obj", {"render.width=64", "mesh.0.subdivision=1", "material.red.color=[1,0,0]", "mesh.0.material=red"}, warnings);
     CHECK(scene.render.width == 64);
-    CHECK(scene.objects.at(0).subdivision == 1);
+    CHECK(scene.objects.at(0).subdivision.level == 1);
     CHECK(scene.materials.at(scene.objects[0].materials.at(0)).color.value == Vec3(1, 0, 0));
     CHECK(scene.environment);
     CHECK(fillOfView(scene) < 1);

@@ -1,10 +1,13 @@
-/// taut info: what is in a scene, what the policies did, and the range of stretch over the frames.
+/// taut info: what is in a scene, the plan and why, the ranges of stretch and roughness over the frames, and false-colour pictures.
 
 #include "commands.h"
+#include "false_colour.h"
 #include "scene_arguments.h"
 
-#include "taut/microsurface/transform.h"
-#include "taut/render/render_scene.h"
+#include "taut/base/frame_set.h"
+#include "taut/plan/gradient_field.h"
+#include "taut/render/image_file.h"
+#include "taut/render/render_frame.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -17,43 +20,54 @@ namespace {
 
 struct InfoArguments {
     SceneArguments scene;
+    ModelArguments model;
     bool json = false;
+    std::string falseColour; ///< a channel
+    std::string output;
 };
 
-/// Extremes of the surface gradient over vertices and frames. Stretches are singular values of A.
-struct StretchRange {
-    float largest = 0;
-    float smallest = kInfinity;
-    float greatestShear = 0;   ///< |s.dt| / |t.dt|
-    std::size_t collapsed = 0; ///< most vertices at once whose smaller stretch is under 1e-3 of the larger
-    std::size_t folded = 0;    ///< most triangles at once that turned over against their vertex normals
-    void add(const RenderObject &object);
-};
-
-void StretchRange::add(const RenderObject &object) {
-    const SurfaceFrame &frame = object.frame;
-    std::size_t collapsedNow = 0;
-    for (std::size_t v = 0; v < frame.ds.size(); ++v) {
-        const float a = glm::length(frame.ds[v]);
-        const float b = a > 0 ? glm::dot(frame.ds[v], frame.dt[v]) / a : 0;
-        const float d = std::sqrt(std::fmax(0.0F, glm::dot(frame.dt[v], frame.dt[v]) - b * b));
-        const Vec2 sigma = singularValues(a, b, 0, d);
-        largest = std::fmax(largest, sigma.x);
-        smallest = std::fmin(smallest, sigma.y);
-        if (d > 0) greatestShear = std::fmax(greatestShear, std::fabs(b) / d);
-        if (sigma.y < 1e-3F * sigma.x) ++collapsedNow;
+std::string_view nameOf(StretchModel model) {
+    switch (model) {
+    case StretchModel::Constant: return "constant";
+    case StretchModel::Uniform: return "uniform";
+    case StretchModel::PerVertex: return "per vertex";
+    case StretchModel::Leaning: return "leaning";
     }
-    collapsed = std::max(collapsed, collapsedNow);
-    std::size_t foldedNow = 0;
-    for (const Index3 &t : object.surface.triangles) {
-        const Vec3 &p = frame.positions[t.x];
-        const Vec3 n = glm::cross(frame.positions[t.y] - p, frame.positions[t.z] - p) * (object.mirrored ? -1.0F : 1.0F);
-        if (glm::dot(n, frame.normals[t.x]) < 0 && glm::dot(n, frame.normals[t.y]) < 0 && glm::dot(n, frame.normals[t.z]) < 0) ++foldedNow;
-    }
-    folded = std::max(folded, foldedNow);
+    return "";
+}
+std::string_view nameOf(GradientEstimator estimator) {
+    static constexpr std::array<std::string_view, 6> kNames{"face", "area", "angle", "least-squares", "limit", "analytic"};
+    return kNames[static_cast<std::size_t>(estimator)];
+}
+std::string_view nameOf(GradientInterpolation interpolation) {
+    static constexpr std::array<std::string_view, 5> kNames{"stretch", "ds-dt", "cholesky", "log", "face"};
+    return kNames[static_cast<std::size_t>(interpolation)];
+}
+std::string_view nameOf(Multiscatter model) {
+    static constexpr std::array<std::string_view, 4> kNames{"off", "compensation", "walk", "by each hit's M"};
+    return kNames[static_cast<std::size_t>(model)];
 }
 
-nlohmann::json describe(const RenderObject &object, const StretchRange &range) {
+nlohmann::json toJson(const MeshPlan &plan) {
+    nlohmann::json questions = nlohmann::json::array();
+    for (const Question &q : plan.questions) {
+        nlohmann::json choices = nlohmann::json::array();
+        for (const Choice &c : q.choices) choices.push_back({{"name", c.name}, {"predicted_error", c.error}, {"cost_ns", c.cost}});
+        questions.push_back({{"name", q.name}, {"unit", q.unit}, {"taken", q.choices[q.taken].name}, {"choices", choices}});
+    }
+    return {{"stretch", nameOf(plan.stretch)},
+            {"gradient", nameOf(plan.estimator)},
+            {"interpolation", nameOf(plan.interpolation)},
+            {"questions", questions}};
+}
+
+/// Least and greatest alpha of the object's materials after deformation, as the plan reckons with them; null without a microsurface.
+nlohmann::json alphaRange(const MeshPlan &plan) {
+    if (!(plan.greatestAlpha > 0)) return nullptr;
+    return {{"min", plan.leastAlpha}, {"max", plan.greatestAlpha}};
+}
+
+nlohmann::json describe(const RenderObject &object, const GradientField &field) {
     const Surface &surface = object.surface;
     const Mesh &mesh = object.mesh();
     return {{"name", object.object->name},
@@ -61,18 +75,21 @@ nlohmann::json describe(const RenderObject &object, const StretchRange &range) {
             {"faces", mesh.faceCount()},
             {"triangles", surface.triangles.size()},
             {"render_vertices", surface.vertexCount()},
-            {"subdivision", object.object->subdivision},
+            {"subdivision", object.object->subdivision.level},
             {"follow", object.object->follow},
             {"rigid", object.rigid},
             {"skinned", !object.object->mesh->skin.empty()},
             {"morphs", object.object->mesh->morphs.size()},
             {"deformers", object.object->deformers.size()},
             {"has_uvs", !surface.uvs.empty()},
-            {"stretch_max", range.largest},
-            {"stretch_min", range.smallest},
-            {"shear_max", range.greatestShear},
-            {"collapsed_vertices", range.collapsed},
-            {"folded_triangles", range.folded},
+            {"stretch_max", field.greatestStretch},
+            {"stretch_min", field.leastStretch},
+            {"shear_max", field.greatestShear},
+            {"lean_max", field.lean},
+            {"alpha", alphaRange(object.plan)},
+            {"collapsed_vertices", field.collapsed},
+            {"folded_triangles", field.folded},
+            {"plan", toJson(object.plan)},
             {"policies",
              {{"SkipDegenerateFace", surface.degenerateFaces},
               {"RestAtLoneVertex", surface.loneVertices},
@@ -80,36 +97,55 @@ nlohmann::json describe(const RenderObject &object, const StretchRange &range) {
               {"SmoothFieldNoUv", surface.fallbackTangents}}}};
 }
 
+/// One line a question: what was taken, what it loses and costs, what the next cheaper choice would have lost, what the next dearer
+/// one costs.
+void printQuestion(const nlohmann::json &question) {
+    const auto &choices = question["choices"];
+    std::size_t taken = 0;
+    while (choices[taken]["name"] != question["taken"]) ++taken;
+    const auto describeChoice = [&](std::size_t i) {
+        return fmt::format("{} (predicted error {:.2g}, {:.3g} {})", choices[i]["name"].get<std::string>(),
+                           choices[i]["predicted_error"].get<float>(), choices[i]["cost_ns"].get<float>(),
+                           question["unit"].get<std::string>());
+    };
+    std::string line = fmt::format("    {}: {}", question["name"].get<std::string>(), describeChoice(taken));
+    if (taken > 0) line += "; next cheaper: " + describeChoice(taken - 1);
+    fmt::print("{}\n", line);
+}
+
+void printObject(const nlohmann::json &o) {
+    fmt::print("  {}: {} triangles, {} render vertices{}{}{}{}\n", o["name"].get<std::string>(), o["triangles"].get<std::size_t>(),
+               o["render_vertices"].get<std::size_t>(), o["skinned"].get<bool>() ? ", skinned" : "",
+               o["morphs"].get<std::size_t>() > 0 ? ", morphed" : "", o["rigid"].get<bool>() ? ", rigid" : "",
+               o["follow"].get<bool>() ? "" : ", roughness held fixed");
+    fmt::print("    stretch {:.4g} to {:.4g}, shear up to {:.4g}, at most {} collapsed vertices and {} folded triangles\n",
+               o["stretch_min"].get<float>(), o["stretch_max"].get<float>(), o["shear_max"].get<float>(),
+               o["collapsed_vertices"].get<std::size_t>(), o["folded_triangles"].get<std::size_t>());
+    if (!o["alpha"].is_null()) fmt::print("    alpha {:.4g} to {:.4g}\n", o["alpha"]["min"].get<float>(), o["alpha"]["max"].get<float>());
+    const auto &plan = o["plan"];
+    fmt::print("    plan: M {}, gradient {}, interpolation {}\n", plan["stretch"].get<std::string>(), plan["gradient"].get<std::string>(),
+               plan["interpolation"].get<std::string>());
+    for (const auto &question : plan["questions"]) printQuestion(question);
+    for (const auto &[policy, count] : o["policies"].items())
+        if (count.get<std::size_t>() > 0) fmt::print("    {}: {}\n", policy, count.get<std::size_t>());
+}
+
 void print(const nlohmann::json &info) {
     fmt::print("{}: {} x {}, {} spp, {} frames ({} to {})\n", info["scene"].get<std::string>(), info["width"].get<int>(),
                info["height"].get<int>(), info["spp"].get<int>(), info["frames"].get<int>(), info["first_frame"].get<int>(),
                info["last_frame"].get<int>());
-    fmt::print("{} materials, {} textures, {} lights{}\n", info["materials"].get<int>(), info["textures"].get<int>(),
-               info["lights"].get<int>(), info["environment"].get<bool>() ? ", an environment" : "");
-    for (const auto &o : info["objects"]) {
-        fmt::print("  {}: {} triangles, {} render vertices{}{}{}{}\n", o["name"].get<std::string>(), o["triangles"].get<std::size_t>(),
-                   o["render_vertices"].get<std::size_t>(), o["skinned"].get<bool>() ? ", skinned" : "",
-                   o["morphs"].get<std::size_t>() > 0 ? ", morphed" : "", o["rigid"].get<bool>() ? ", rigid" : "",
-                   o["follow"].get<bool>() ? "" : ", roughness held fixed");
-        fmt::print("    stretch {:.4g} to {:.4g}, shear up to {:.4g}, at most {} collapsed vertices and {} folded triangles\n",
-                   o["stretch_min"].get<float>(), o["stretch_max"].get<float>(), o["shear_max"].get<float>(),
-                   o["collapsed_vertices"].get<std::size_t>(), o["folded_triangles"].get<std::size_t>());
-        for (const auto &[policy, count] : o["policies"].items())
-            if (count.get<std::size_t>() > 0) fmt::print("    {}: {}\n", policy, count.get<std::size_t>());
-    }
+    fmt::print("{} materials, {} textures, {} lights{}\n", info["materials"].size(), info["textures"].get<int>(), info["lights"].get<int>(),
+               info["environment"].get<bool>() ? ", an environment" : "");
+    for (const auto &m : info["materials"])
+        fmt::print("  {}: multiscatter {}\n", m["name"].get<std::string>(), m["multiscatter"].get<std::string>());
+    for (const auto &o : info["objects"]) printObject(o);
+    fmt::print("plan: tolerance {:.3g}, predicted error {:.3g}, BVH {}\n", info["tolerance"].get<float>(),
+               info["predicted_error"].get<float>(), info["bvh"].get<std::string>());
 }
 
-int info(const InfoArguments &arguments) {
-    const auto threads = limitThreads(arguments.scene.threads);
-    const Scene scene = loadScene(arguments.scene, false);
+nlohmann::json describe(const InfoArguments &arguments, const Scene &scene, const RenderScene &ready) {
     const std::vector<int> &frames = scene.render.frames;
-    RenderScene ready(scene, frames.size() > 1);
-    std::vector<StretchRange> ranges(ready.objects().size());
-    StageTimes times;
-    for (const int frame : frames) {
-        ready.setFrame(frame, times);
-        for (std::size_t i = 0; i < ranges.size(); ++i) ranges[i].add(ready.objects()[i]);
-    }
+    const ScenePlan &plan = ready.plan();
     nlohmann::json result{{"scene", arguments.scene.scene},
                           {"width", scene.render.width},
                           {"height", scene.render.height},
@@ -117,12 +153,58 @@ int info(const InfoArguments &arguments) {
                           {"frames", frames.size()},
                           {"first_frame", frames.front()},
                           {"last_frame", frames.back()},
-                          {"materials", scene.materials.size()},
                           {"textures", scene.textures.size()},
                           {"lights", scene.lights.size()},
                           {"environment", scene.environment.has_value()},
+                          {"tolerance", plan.tolerance},
+                          {"predicted_error", plan.predictedError},
+                          {"bvh", plan.mayRefit ? "refit, rebuilt where its rays would pay for it" : "rebuilt every frame"},
+                          {"materials", nlohmann::json::array()},
                           {"objects", nlohmann::json::array()}};
-    for (std::size_t i = 0; i < ranges.size(); ++i) result["objects"].push_back(describe(ready.objects()[i], ranges[i]));
+    for (std::size_t i = 0; i < scene.materials.size(); ++i) {
+        const Material &material = scene.materials[i];
+        const Multiscatter own = material.multiscatter;
+        const bool single = material.masking == Masking::Separable ||
+                            (material.type != MaterialType::Conductor && material.type != MaterialType::Dielectric);
+        result["materials"].push_back({{"name", material.name},
+                                       {"multiscatter", single ? "off" : nameOf(own == Multiscatter::Auto ? plan.materials[i].model : own)},
+                                       {"predicted_error", plan.materials[i].error}});
+    }
+    for (const RenderObject &object : ready.objects())
+        result["objects"].push_back(describe(object, measureGradientField(*object.object, frames, scene.render.fps)));
+    return result;
+}
+
+/// Renders one channel at every frame and writes it in false colours, the range over all frames.
+nlohmann::json writeFalseColours(const InfoArguments &arguments, const Scene &scene, RenderScene &ready) {
+    const std::vector<int> &frames = scene.render.frames;
+    if (!isImagePath(arguments.output)) failInput({"-o"}, quoted(arguments.output), "a file name that ends in .exr or .png");
+    if (frames.size() > 1 && !hasFramePattern(arguments.output))
+        failInput({"-o"}, quoted(arguments.output), "a frame number such as #### in the name, for more than one frame");
+    FrameOptions options;
+    options.aovs = {aovOfChannel(arguments.falseColour)};
+    options.spp = 4;
+    std::vector<Image> images;
+    for (const int frame : frames) {
+        StageTimes times;
+        ready.setFrame(frame, times);
+        const FrameResult result = renderFrame(ready, options);
+        images.push_back(
+            {result.film.window(), scene.render.width, scene.render.height, result.film.channelNames(), result.film.resolve()});
+    }
+    const Vec2 range = channelRange(images, arguments.falseColour);
+    for (std::size_t i = 0; i < frames.size(); ++i)
+        writeImage(pathOfFrame(arguments.output, frames[i]), falseColours(images[i], arguments.falseColour, range),
+                   {{"taut:channel", arguments.falseColour}, {"taut:range", fmt::format("{} {}", range.x, range.y)}});
+    return {{"channel", arguments.falseColour}, {"min", range.x}, {"max", range.y}};
+}
+
+int info(const InfoArguments &arguments) {
+    const auto threads = limitThreads(arguments.scene.threads);
+    const Scene scene = loadScene(arguments.scene, false);
+    RenderScene ready(scene, planFor(scene, arguments.model), scene.render.frames.size() > 1);
+    nlohmann::json result = describe(arguments, scene, ready);
+    if (!arguments.falseColour.empty()) result["false_colour"] = writeFalseColours(arguments, scene, ready);
     if (arguments.json)
         std::cout << result.dump(2) << std::endl;
     else
@@ -134,9 +216,15 @@ int info(const InfoArguments &arguments) {
 
 void addInfo(CLI::App &parent, Run &run) {
     auto arguments = std::make_shared<InfoArguments>();
-    CLI::App *command = parent.add_subcommand("info", "What is in a scene");
+    CLI::App *command = parent.add_subcommand("info", "What is in a scene, what the plan makes of it, ranges over the frames");
     addSceneArguments(*command, arguments->scene);
+    addModelArguments(*command, arguments->model);
     command->add_flag("--json", arguments->json, "One JSON object on standard output");
+    CLI::Option *channel = command->add_option("--false-colour", arguments->falseColour,
+                                               "Also render this channel in false colours: Stretch.max, AlphaMin, M.b, ...");
+    CLI::Option *output = command->add_option("-o,--output", arguments->output, "Where to: out/####.png or .exr");
+    channel->needs(output);
+    output->needs(channel);
     command->callback([&run, arguments] { run = [arguments] { return info(*arguments); }; });
 }
 

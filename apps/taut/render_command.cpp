@@ -25,6 +25,7 @@ namespace {
 
 struct RenderArguments {
     SceneArguments scene;
+    ModelArguments model;
     std::vector<std::string> outputs;
     int spp = 0;
     std::string time;
@@ -163,7 +164,7 @@ int render(RenderArguments &arguments) {
     }
     if (!arguments.crop.empty()) options.window = parseCrop(arguments.crop, scene.render);
 
-    RenderScene ready(scene, frames.size() > 1);
+    RenderScene ready(scene, planFor(scene, arguments.model), frames.size() > 1);
     Progress progress(style, static_cast<int>(frames.size()));
     const std::string hash = sceneHash(arguments.scene);
     nlohmann::json statistics{{"scene", arguments.scene.scene}, {"version", TAUT_VERSION}, {"frames", nlohmann::json::array()}};
@@ -213,6 +214,7 @@ void addRender(CLI::App &parent, Run &run) {
     auto arguments = std::make_shared<RenderArguments>();
     CLI::App *command = parent.add_subcommand("render", "Render frames of a scene");
     addSceneArguments(*command, arguments->scene);
+    addModelArguments(*command, arguments->model);
     command->add_option("-o,--output", arguments->outputs, "Images: out/####.exr or .png; may be given more than once")
         ->allow_extra_args(false);
     command->add_option("--spp", arguments->spp, "Samples per pixel (default: the scene's)")->check(CLI::Range(1, 1 << 24));

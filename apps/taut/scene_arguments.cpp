@@ -27,6 +27,19 @@ Scene loadScene(const SceneArguments &arguments, bool quiet) {
     return scene;
 }
 
+void addModelArguments(CLI::App &command, ModelArguments &arguments) {
+    command.add_option("--tolerance", arguments.tolerance, "Relative RMS error that the plan's savings may have together (default 0.01)")
+        ->check(CLI::Range(1e-6, 1.0));
+    command.add_option("--model", arguments.model, "auto: the cheapest model within the tolerance; full: every saving off");
+}
+
+ScenePlan planFor(const Scene &scene, const ModelArguments &arguments) {
+    if (arguments.model == "full") return fullPlan(scene);
+    static constexpr std::string_view kModels[] = {"auto", "full"};
+    if (!arguments.model.empty() && arguments.model != "auto") failUnknownName({"--model"}, arguments.model, kModels);
+    return makePlan(scene, arguments.tolerance);
+}
+
 std::shared_ptr<tbb::global_control> limitThreads(int threads) {
     if (threads <= 0) return nullptr;
     return std::make_shared<tbb::global_control>(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));

@@ -1,6 +1,7 @@
 #pragma once
 /// Arguments that several subcommands share: the scene, overrides, frames and threads.
 
+#include "taut/plan/plan.h"
 #include "taut/scene/scene.h"
 
 #include <CLI/CLI.hpp>
@@ -24,6 +25,15 @@ void addSceneArguments(CLI::App &command, SceneArguments &arguments);
 
 /// Reads the scene, applies --frames, prints warnings unless `quiet`.
 Scene loadScene(const SceneArguments &arguments, bool quiet);
+
+/// --tolerance and --model: how much the plan may save.
+struct ModelArguments {
+    float tolerance = 0.01F;
+    std::string model; ///< "auto" or "full"
+};
+void addModelArguments(CLI::App &command, ModelArguments &arguments);
+/// The plan that they ask for. Throws InputError for an unknown model.
+ScenePlan planFor(const Scene &scene, const ModelArguments &arguments);
 
 /// Limits the number of threads while it lives.
 std::shared_ptr<tbb::global_control> limitThreads(int threads);

@@ -15,11 +15,11 @@ enum class Multiscatter : std::uint8_t {
 /// Share of diffuse light lost to single scattering below which nothing is done about it.
 inline constexpr float kNegligibleLoss = 0.01F;
 
-/// The cheapest treatment that keeps the loss below kNegligibleLoss. Rests on height-correlated masking.
-inline Multiscatter chooseMultiscatter(const MicroTransform &m, bool transmits) {
-    // At a roughness of 0.06 no M loses as much, which saves most hits the table.
+/// The cheapest treatment that keeps the loss below `negligibleLoss`. Rests on height-correlated masking.
+inline Multiscatter chooseMultiscatter(const MicroTransform &m, bool transmits, float negligibleLoss = kNegligibleLoss) {
+    // At a roughness of 0.06 no M loses a hundredth, and less in proportion, which saves most hits the table.
     const float smallest = singularValues(m.a, m.b, 0, m.d).y;
-    if (m.upright() && (smallest * 0.06F > 1 || 1 - energy::averageAlbedo(m) < kNegligibleLoss)) return Multiscatter::Off;
+    if (m.upright() && (smallest * 0.06F * std::fmin(1.0F, negligibleLoss / 0.01F) > 1 || 1 - energy::averageAlbedo(m) < negligibleLoss)) return Multiscatter::Off;
     return m.upright() && !transmits ? Multiscatter::Compensation : Multiscatter::Walk;
 }
 

@@ -166,6 +166,7 @@ void evaluateGradient(const Surface &surface, const MotionState &motion, const S
     }
     const std::size_t count = surface.normals.size();
     resizeAll(out, count);
+    if (out.wantNormalImage && out.normalImage.size() != count) out.normalImage.resize(count);
     const Mat3 objectFromRest = glm::inverse(surface.restFromObject);
     std::atomic<bool> finite{true};
     parallelFor(count, kGrain, [&](std::size_t s) {
@@ -193,6 +194,7 @@ void evaluateGradient(const Surface &surface, const MotionState &motion, const S
             f2 = Vec3(df2);
             n = Vec3(dn);
         }
+        if (out.wantNormalImage) out.normalImage[s] = n;
         const Vec3 normal = normalOf(f1, f2, motion.mirrored ? -n : n);
         out.position[s] = position;
         out.f1[s] = f1;

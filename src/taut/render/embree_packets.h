@@ -17,7 +17,7 @@ template <class Packet> void setLane(Packet &packet, std::size_t lane, const Ray
     packet.ray.dir_z[lane] = ray.direction.z;
     packet.ray.tnear[lane] = ray.nearest;
     packet.ray.tfar[lane] = ray.farthest;
-    packet.ray.time[lane] = 0;
+    packet.ray.time[lane] = ray.time;
     packet.ray.mask[lane] = 0xffffffffU;
     packet.ray.id[lane] = 0;
     packet.ray.flags[lane] = 0;
@@ -34,7 +34,7 @@ inline RTCRay shadowRay(const Ray &ray) {
             ray.direction.x,
             ray.direction.y,
             ray.direction.z,
-            0,
+            ray.time,
             ray.farthest,
             0xffffffffU,
             0,

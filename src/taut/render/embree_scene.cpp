@@ -3,6 +3,7 @@
 #include "taut/base/error.h"
 #include "taut/render/embree_packets.h"
 
+#include <algorithm>
 #include <array>
 #include <string>
 
@@ -47,6 +48,8 @@ void intersectPacket(RTCScene scene, std::span<const Ray> rays, std::size_t begi
 struct EmbreeScene::State {
     RTCDevice device = nullptr;
     RTCScene scene = nullptr;
+    bool dynamic = false;
+    std::vector<unsigned> steps; ///< [geometries] times in the shutter
 };
 
 EmbreeScene::EmbreeScene(bool dynamic) : state_(std::make_unique<State>()) {
@@ -54,6 +57,7 @@ EmbreeScene::EmbreeScene(bool dynamic) : state_(std::make_unique<State>()) {
     if (state_->device == nullptr) throw RunError("Embree could not start on this machine");
     rtcSetDeviceErrorFunction(state_->device, onError, nullptr);
     state_->scene = rtcNewScene(state_->device);
+    state_->dynamic = dynamic;
     if (!dynamic) return;
     // Only this combination makes Embree 3.13 refit instead of rebuilding.
     rtcSetSceneFlags(state_->scene, RTC_SCENE_FLAG_DYNAMIC);
@@ -65,21 +69,28 @@ EmbreeScene::~EmbreeScene() {
     if (state_->device != nullptr) rtcReleaseDevice(state_->device);
 }
 
-Index EmbreeScene::addTriangles(std::span<const Vec3> positions, std::span<const Index3> triangles, bool deforms) {
+Index EmbreeScene::addTriangles(const std::vector<std::span<const Vec3>> &positions, std::span<const Index3> triangles) {
     RTCGeometry geometry = rtcNewGeometry(state_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, positions.data(), 0, sizeof(Vec3),
-                               positions.size() - 1);
+    rtcSetGeometryTimeStepCount(geometry, static_cast<unsigned>(positions.size()));
+    for (std::size_t step = 0; step < positions.size(); ++step)
+        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, static_cast<unsigned>(step), RTC_FORMAT_FLOAT3, positions[step].data(),
+                                   0, sizeof(Vec3), positions[step].size() - 1);
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, triangles.data(), 0, sizeof(Index3), triangles.size());
-    rtcSetGeometryBuildQuality(geometry, deforms ? RTC_BUILD_QUALITY_REFIT : RTC_BUILD_QUALITY_MEDIUM);
+    const bool refits = state_->dynamic && positions.size() == 1;
+    rtcSetGeometryBuildQuality(geometry, refits ? RTC_BUILD_QUALITY_REFIT : RTC_BUILD_QUALITY_MEDIUM);
     rtcCommitGeometry(geometry);
     const Index id = rtcAttachGeometry(state_->scene, geometry);
     rtcReleaseGeometry(geometry);
+    state_->steps.resize(std::max<std::size_t>(state_->steps.size(), id + 1));
+    state_->steps[id] = static_cast<unsigned>(positions.size());
     return id;
 }
 
-void EmbreeScene::update(Index geometry) {
+void EmbreeScene::update(Index geometry, bool rebuild) {
     RTCGeometry handle = rtcGetGeometry(state_->scene, geometry);
-    rtcUpdateGeometryBuffer(handle, RTC_BUFFER_TYPE_VERTEX, 0);
+    for (unsigned step = 0; step < state_->steps[geometry]; ++step) rtcUpdateGeometryBuffer(handle, RTC_BUFFER_TYPE_VERTEX, step);
+    // A refitting geometry is built anew when Embree believes that its topology has changed.
+    if (rebuild) rtcUpdateGeometryBuffer(handle, RTC_BUFFER_TYPE_INDEX, 0);
     rtcCommitGeometry(handle);
 }
 

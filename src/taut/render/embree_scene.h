@@ -17,12 +17,14 @@ class EmbreeScene {
     EmbreeScene(const EmbreeScene &) = delete;
     EmbreeScene &operator=(const EmbreeScene &) = delete;
 
-    /// Adds a triangle mesh whose buffers the caller owns and keeps in place: `positions` has one element more than is indexed
-    /// (Embree reads 16 bytes at each vertex). `deforms`: refitted every frame rather than rebuilt. Returns its geometry number.
-    Index addTriangles(std::span<const Vec3> positions, std::span<const Index3> triangles, bool deforms);
+    /// Adds a triangle mesh whose buffers the caller owns and keeps in place: positions at one time, or at several equally spaced
+    /// ones within the shutter; each array has one element more than is indexed (Embree reads 16 bytes at each vertex). Returns
+    /// its geometry number.
+    Index addTriangles(const std::vector<std::span<const Vec3>> &positions, std::span<const Index3> triangles);
 
-    /// Says that a geometry's buffer contents have changed.
-    void update(Index geometry);
+    /// Says that a geometry's positions have changed. Its BVH is refitted, or built anew where that is asked for, where the scene
+    /// is not dynamic and where there are several times (Embree 3 refits none of these).
+    void update(Index geometry, bool rebuild);
 
     /// Builds or refits what has changed.
     void commit();

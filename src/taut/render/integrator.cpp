@@ -20,6 +20,8 @@ constexpr int kRouletteStart = 3;
 
 /// Dimensions of the sample sequence: two for the camera, then these per event.
 enum Dimension : std::uint32_t { kFilterDimension, kLensDimension, kEventDimensions };
+/// The time within the shutter has a number of its own, so that events keep theirs with and without motion blur.
+constexpr std::uint32_t kTimeDimension = 0x40000000U;
 enum EventDimension : std::uint32_t { kScatterDirection, kScatterLobe, kLightPoint, kLightChoice, kRoulette, kPerEvent };
 
 struct Path {
@@ -28,6 +30,7 @@ struct Path {
     float alpha = 0;
     float scatterPdf = 0; ///< of the ray under way; 0: a camera ray
     float etaScale = 1;
+    float time = 0; ///< within the shutter
     int x = 0, y = 0;
     std::uint32_t sample = 0;
     std::uint32_t seed = 0; ///< of the pixel
@@ -42,6 +45,19 @@ struct ShadowTest {
 float powerHeuristic(float a, float b) {
     const float a2 = a * a;
     return a2 / (a2 + b * b);
+}
+
+/// The rigid motion between the two steps around a time: linear in place, in rotation by Gram-Schmidt of the linear mean.
+Affine affineAt(const std::vector<Affine> &steps, float time) {
+    const float at = time * static_cast<float>(steps.size() - 1);
+    const std::size_t before = std::min(static_cast<std::size_t>(at), steps.size() - 2);
+    const float u = at - static_cast<float>(before);
+    Affine m;
+    for (int c = 0; c < 4; ++c) m[c] = glm::mix(steps[before][c], steps[before + 1][c], u);
+    m[2] = glm::normalize(m[2]);
+    m[0] = glm::normalize(m[0] - m[2] * glm::dot(m[0], m[2]));
+    m[1] = glm::cross(m[2], m[0]);
+    return m;
 }
 
 double secondsSince(std::chrono::steady_clock::time_point &start) {
@@ -128,6 +144,7 @@ void PathTracer::State::startPaths(const Window &tile, int firstSample, int last
                         path.y = y;
                         path.sample = static_cast<std::uint32_t>(sample);
                         path.seed = hash(static_cast<std::uint32_t>(x) + 0x10000U * static_cast<std::uint32_t>(y), settings.seed);
+                        if (scene.scene().render.shutter > 0) path.time = random1(path, kTimeDimension);
                         active.push_back(static_cast<Index>(paths.size()));
                         rays.push_back(cameraRay(path));
                         paths.push_back(path);
@@ -149,6 +166,12 @@ Ray PathTracer::State::cameraRay(const Path &path) const {
         ray.direction = through * static_cast<float>(camera.focusDistance) - ray.origin;
     }
     ray.direction = glm::normalize(ray.direction);
+    ray.time = path.time;
+    if (scene.cameraSteps().size() > 1) {
+        const Affine renderFromCamera = affineAt(scene.cameraSteps(), path.time);
+        ray.origin = transformPoint(renderFromCamera, ray.origin);
+        ray.direction = glm::normalize(transformVector(renderFromCamera, ray.direction));
+    }
     return ray;
 }
 
@@ -190,7 +213,7 @@ bool PathTracer::State::meetLights(Path &path, const Ray &ray, float farthest) c
 
 void PathTracer::State::connectLight(int event, Index index, const SurfacePoint &point, const ScatteringPoint &scattering) {
     Path &path = paths[index];
-    const LightSample light = sampleLight(scene.lights(), point.position, random1(path, dimensionOf(event, kLightChoice)),
+    const LightSample light = sampleLight(scene.lights(), point.position, path.time, random1(path, dimensionOf(event, kLightChoice)),
                                           random2(path, dimensionOf(event, kLightPoint)));
     if (!(light.pdf > 0)) return;
     const Vec3 wi = point.frame.toLocal(light.direction);
@@ -205,13 +228,14 @@ void PathTracer::State::connectLight(int event, Index index, const SurfacePoint 
     ray.origin = offsetOrigin(point.position, side > 0 ? point.geometricNormal : -point.geometricNormal);
     ray.direction = light.direction;
     ray.farthest = light.distance * (1 - 1e-4F);
+    ray.time = path.time;
     shadowRays.push_back(ray);
     shadowTests.push_back({index, contribution});
 }
 
 void PathTracer::State::shade(int event, Index index, const Ray &ray, const Hit &hit, const std::vector<Aov> &wanted, int aovChannels) {
     Path &path = paths[index];
-    const SurfacePoint point = surfacePointAt(scene, materials, hit, -ray.direction);
+    const SurfacePoint point = surfacePointAt(scene, materials, hit, -ray.direction, path.time);
     if (path.scatterPdf == 0) {
         path.alpha = 1;
         path.hasAovs = true;
@@ -223,7 +247,8 @@ void PathTracer::State::shade(int event, Index index, const Ray &ray, const Hit 
         float weight = 1;
         if (path.scatterPdf > 0 && entry != kNone) {
             const float cosine = std::fabs(glm::dot(point.geometricNormal, ray.direction));
-            weight = powerHeuristic(path.scatterPdf, lightHitPdf(scene.lights(), entry, ray.origin, hit.t, cosine));
+            const float growth = emitterGrowth(scene.lights().entries[entry], hit.primitive, path.time);
+            weight = powerHeuristic(path.scatterPdf, lightHitPdf(scene.lights(), entry, ray.origin, hit.t, cosine, growth));
         }
         path.radiance += path.throughput * point.emission * weight;
     }
@@ -251,6 +276,7 @@ void PathTracer::State::shade(int event, Index index, const Ray &ray, const Hit 
     Ray next;
     next.origin = offsetOrigin(point.position, side > 0 ? point.geometricNormal : -point.geometricNormal);
     next.direction = direction;
+    next.time = path.time;
     nextRays.push_back(next);
     stillActive.push_back(index);
 }

@@ -88,20 +88,23 @@ LightSample sampleSphere(const LightEntry &entry, const Vec3 &point, const Vec2 
     return s;
 }
 
-LightSample sampleMesh(const LightEntry &entry, const Vec3 &point, const Vec2 &u) {
+LightSample sampleMesh(const LightEntry &entry, const Vec3 &point, float time, const Vec2 &u) {
     const auto found = std::upper_bound(entry.cumulativeArea.begin(), entry.cumulativeArea.end(), u.x * entry.area);
     const std::size_t i = std::min<std::size_t>(static_cast<std::size_t>(found - entry.cumulativeArea.begin()), entry.triangles.size() - 1);
     const float below = i == 0 ? 0.0F : entry.cumulativeArea[i - 1];
     const float share = entry.cumulativeArea[i] - below;
     const float reused = share > 0 ? glm::clamp((u.x * entry.area - below) / share, 0.0F, kOneMinusEpsilon) : 0.5F;
     const Index3 &t = entry.triangles[i];
-    const Vec3 &a = entry.positions[t.x];
-    const Vec3 e1 = entry.positions[t.y] - a;
-    const Vec3 e2 = entry.positions[t.z] - a;
+    const Vec3 a = emitterPosition(entry, t.x, time);
+    const Vec3 e1 = emitterPosition(entry, t.y, time) - a;
+    const Vec3 e2 = emitterPosition(entry, t.z, time) - a;
     const Vec2 b = squareToTriangle({reused, u.y});
     const Vec3 cross = glm::cross(e1, e2) * (entry.mirrored ? -1.0F : 1.0F);
     const float length = glm::length(cross);
-    return length > 0 ? fromArea(entry, point, a + e1 * b.x + e2 * b.y, cross / length) : LightSample{};
+    if (!(length > 0)) return {};
+    LightSample s = fromArea(entry, point, a + e1 * b.x + e2 * b.y, cross / length);
+    if (entry.steps.size() > 1) s.pdf /= emitterGrowth(entry, static_cast<Index>(i), time);
+    return s;
 }
 
 LightSample sampleSpotOrPoint(const LightEntry &entry, const Vec3 &point) {
@@ -124,7 +127,7 @@ LightSample sampleSpotOrPoint(const LightEntry &entry, const Vec3 &point) {
 }
 
 /// A sample of one light; the density does not yet know of the choice between lights.
-LightSample sampleEntry(const LightTable &table, const LightEntry &entry, const Vec3 &point, const Vec2 &u) {
+LightSample sampleEntry(const LightTable &table, const LightEntry &entry, const Vec3 &point, float time, const Vec2 &u) {
     switch (entry.kind) {
     case LightKind::Environment: {
         const EnvironmentSample e = sample(*table.environment, u);
@@ -134,7 +137,7 @@ LightSample sampleEntry(const LightTable &table, const LightEntry &entry, const 
     }
     case LightKind::Quad: return fromArea(entry, point, entry.origin + entry.u * u.x + entry.v * u.y, entry.direction);
     case LightKind::Sphere: return sampleSphere(entry, point, u);
-    case LightKind::Mesh: return sampleMesh(entry, point, u);
+    case LightKind::Mesh: return sampleMesh(entry, point, time, u);
     case LightKind::Directional: return {-entry.direction, kInfinity, entry.radiance, 1, true};
     case LightKind::Point:
     case LightKind::Spot: return sampleSpotOrPoint(entry, point);
@@ -144,12 +147,30 @@ LightSample sampleEntry(const LightTable &table, const LightEntry &entry, const 
 
 } // namespace
 
+Vec3 emitterPosition(const LightEntry &entry, Index vertex, float time) {
+    if (entry.steps.size() == 1) return entry.steps.front()[vertex];
+    const float at = time * static_cast<float>(entry.steps.size() - 1);
+    const std::size_t before = std::min(static_cast<std::size_t>(at), entry.steps.size() - 2);
+    return glm::mix(entry.steps[before][vertex], entry.steps[before + 1][vertex], at - static_cast<float>(before));
+}
+
+float emitterGrowth(const LightEntry &entry, Index triangle, float time) {
+    if (entry.steps.size() == 1) return 1;
+    const Index3 &t = entry.triangles[triangle];
+    const auto area = [&](float when) {
+        const Vec3 a = emitterPosition(entry, t.x, when);
+        return glm::length(glm::cross(emitterPosition(entry, t.y, when) - a, emitterPosition(entry, t.z, when) - a));
+    };
+    const float before = area(0);
+    return before > 0 ? area(time) / before : 1.0F;
+}
+
 float choiceProbability(const LightTable &table, Index entry, const Vec3 &point) {
     if (table.entries.size() == 1) return 1;
     return probabilityOf(importance(table.entries[entry], table, point), totalImportance(table, point), table.entries.size());
 }
 
-LightSample sampleLight(const LightTable &table, const Vec3 &point, float choose, const Vec2 &u) {
+LightSample sampleLight(const LightTable &table, const Vec3 &point, float time, float choose, const Vec2 &u) {
     const std::size_t count = table.entries.size();
     if (count == 0) return {};
     std::size_t chosen = 0;
@@ -163,7 +184,7 @@ LightSample sampleLight(const LightTable &table, const Vec3 &point, float choose
             below += probability;
         }
     }
-    LightSample s = sampleEntry(table, table.entries[chosen], point, u);
+    LightSample s = sampleEntry(table, table.entries[chosen], point, time, u);
     s.pdf *= probability;
     return s;
 }
@@ -193,13 +214,13 @@ LightHit intersectLight(const LightTable &table, Index index, const Vec3 &origin
     return t > 0 && t < farthest ? LightHit{index, t, 1} : LightHit{};
 }
 
-float lightHitPdf(const LightTable &table, Index index, const Vec3 &point, float t, float absCosine) {
+float lightHitPdf(const LightTable &table, Index index, const Vec3 &point, float t, float absCosine, float growth) {
     const LightEntry &entry = table.entries[index];
     if (entry.kind == LightKind::Sphere) {
         const float cap = sphereCap(entry, point);
         return cap < 2 ? choiceProbability(table, index, point) / (2 * kPi * cap) : 0;
     }
-    return absCosine > 0 ? choiceProbability(table, index, point) * t * t / (absCosine * entry.area) : 0;
+    return absCosine > 0 ? choiceProbability(table, index, point) * t * t / (absCosine * entry.area * growth) : 0;
 }
 
 Vec3 environmentRadiance(const LightTable &table, const Vec3 &direction) {

@@ -24,8 +24,8 @@ struct LightEntry {
     float cosInner = 1, cosOuter = 0;
     bool twoSided = false;
     bool cameraVisible = false;
-    // Mesh emitters: triangles with cumulative areas; positions belong to the frame's geometry.
-    std::span<const Vec3> positions;
+    // Mesh emitters: triangles with their cumulative areas when the shutter opens; positions belong to the frame's geometry.
+    std::vector<std::span<const Vec3>> steps; ///< at equally spaced times in the shutter
     std::span<const Index3> triangles;
     std::vector<float> cumulativeArea;
     bool mirrored = false;
@@ -50,8 +50,9 @@ struct LightTable {
 /// share spread evenly so that no light is starved.
 float choiceProbability(const LightTable &table, Index entry, const Vec3 &point);
 
-/// A light sample from `point`; pdf 0 where the chosen light sends nothing there. `choose` and `u` uniform in [0, 1).
-LightSample sampleLight(const LightTable &table, const Vec3 &point, float choose, const Vec2 &u);
+/// A light sample from `point` at a time in the shutter; pdf 0 where the chosen light sends nothing there. `choose` and `u` uniform
+/// in [0, 1).
+LightSample sampleLight(const LightTable &table, const Vec3 &point, float time, float choose, const Vec2 &u);
 
 /// A quad or sphere light met by a ray. These lights are not geometry: they cast no shadow, hide nothing from scattered rays and
 /// are passed through from behind, so that the light of many is the sum of each alone.
@@ -65,8 +66,14 @@ struct LightHit {
 LightHit intersectLight(const LightTable &table, Index entry, const Vec3 &origin, const Vec3 &direction, float farthest);
 
 /// Density with which sampleLight returns the direction of a hit on an emitter: at distance t along unit `direction`, on a
-/// surface whose geometric normal makes |cos| with it.
-float lightHitPdf(const LightTable &table, Index entry, const Vec3 &point, float t, float absCosine);
+/// surface whose geometric normal makes |cos| with it. `growth`: area of a mesh emitter's triangle now over its area when the
+/// shutter opened, by which triangles are chosen.
+float lightHitPdf(const LightTable &table, Index entry, const Vec3 &point, float t, float absCosine, float growth = 1);
+
+/// Corner of a mesh emitter's triangle at a time in the shutter.
+Vec3 emitterPosition(const LightEntry &entry, Index vertex, float time);
+/// What lightHitPdf() asks for.
+float emitterGrowth(const LightEntry &entry, Index triangle, float time);
 
 /// Radiance that a ray leaving the scene along `direction` meets, and the density with which light sampling at `point` finds it.
 Vec3 environmentRadiance(const LightTable &table, const Vec3 &direction);

@@ -13,6 +13,7 @@ struct Ray {
     float nearest = 0;
     Vec3 direction;
     float farthest = kInfinity;
+    float time = 0; ///< within the shutter, 0 to 1
 };
 
 struct Hit {

@@ -36,7 +36,7 @@ FrameResult renderFrame(const RenderScene &scene, const FrameOptions &options) {
     const Window window = options.window.width() > 0 ? options.window : Window{0, 0, render.width, render.height};
     const auto start = std::chrono::steady_clock::now();
     const auto elapsed = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
-    const std::vector<PreparedMaterial> materials = prepareMaterials(scene.scene());
+    const std::vector<PreparedMaterial> materials = prepareMaterials(scene.scene(), scene.plan());
     const TraceSettings settings{render.width, render.height, render.maxEvents, render.boxFilter, options.seed, options.record};
 
     struct Worker {

@@ -1,6 +1,5 @@
 #include "taut/render/render_scene.h"
 
-#include "taut/base/parallel.h"
 #include "taut/base/stopwatch.h"
 
 #include <algorithm>
@@ -9,7 +8,8 @@ namespace taut {
 
 namespace {
 
-constexpr std::size_t kGrain = 2048;
+/// Rays a sample needs, about: what the BVH policy reckons with.
+constexpr double kRaysPerSample = 2.5;
 
 bool emits(const Object &object) {
     return object.emission.value != Vec3(0);
@@ -22,23 +22,24 @@ Vec3 vectorToRender(const DMat4 &renderFromWorld, const DVec3 &v) {
     return Vec3(DMat3(renderFromWorld) * v);
 }
 
-/// V and the rotated tangent at every render vertex.
-void makeShadingGradient(RenderObject &object) {
-    const SurfaceFrame &frame = object.frame;
-    const std::size_t count = object.surface.vertexCount();
-    const bool keepStretch = !object.rigid && object.object->follow;
-    if (object.tangents.size() != count) object.tangents.resize(count);
-    if (keepStretch && object.stretch.size() != count) object.stretch.resize(count);
-    parallelFor(count, kGrain, [&](std::size_t v) {
-        const PolarGradient polar = polarGradient(frame.ds[v], frame.dt[v], frame.normals[v]);
-        object.tangents[v] = polar.tangent;
-        if (keepStretch) object.stretch[v] = polar.stretch;
-        // As other renderers do: the tangent is the normalised image of t0, whatever the shear.
-        if (!object.object->follow) {
-            const float length = glm::length(frame.ds[v]);
-            if (length > 0) object.tangents[v] = Vec4(frame.ds[v] / length, polar.tangent.w);
-        }
-    });
+/// Whether an object may be somewhere else at another time.
+bool moves(const Object &object) {
+    const Placement &p = object.placement;
+    return object.gltf || object.sequence || object.cache || !object.deformers.empty() || !p.translation.isConstant() ||
+           !p.rotation.isConstant() || !p.scale.isConstant();
+}
+
+/// The inverse of a rigid motion, written out: exact to rounding.
+DMat4 inverseOfRigid(const DMat4 &m) {
+    const DMat3 rotation = glm::transpose(DMat3(m));
+    DMat4 inverse(rotation);
+    inverse[3] = glm::dvec4(-(rotation * DVec3(m[3])), 1);
+    return inverse;
+}
+
+/// Frame number of one of `count` equally spaced times within the shutter.
+double frameOfStep(const RenderSettings &render, double frame, std::size_t step, std::size_t count) {
+    return count == 1 ? frame : frame + render.shutter * (static_cast<double>(step) / static_cast<double>(count - 1) - 0.5);
 }
 
 } // namespace
@@ -55,39 +56,61 @@ StageTimes &StageTimes::operator+=(const StageTimes &other) {
     return *this;
 }
 
-RenderScene::RenderScene(const Scene &scene, bool animated) : scene_(&scene), embree_(animated), objects_(scene.objects.size()) {
+RenderScene::RenderScene(const Scene &scene, ScenePlan plan, bool animated)
+    : scene_(&scene), plan_(std::move(plan)), embree_(animated), objects_(scene.objects.size()) {
     for (std::size_t i = 0; i < objects_.size(); ++i) {
-        RenderObject &object = objects_[i];
-        object.rigid = isRigid(scene.objects[i]);
-        prepareObjectSurface(scene.objects[i], scene.render.fps, object);
+        const Object &object = scene.objects[i];
+        const bool blurred = scene.render.shutter > 0 && moves(object);
+        const std::size_t steps = blurred ? static_cast<std::size_t>(scene.render.motionSteps) : 1;
+        prepareRenderObject(object, scene.render, plan_.meshes[i], steps, objects_[i]);
     }
 }
 
-void RenderScene::setFrame(double frame, StageTimes &times) {
-    camera_ = cameraAtFrame(scene_->camera, frame, scene_->render.fps);
-    worldFromRender_ = camera_.worldFromCamera;
-    // The inverse of a rigid motion, written out: exact to rounding.
-    const DMat3 rotation = glm::transpose(DMat3(worldFromRender_));
-    DMat4 renderFromWorld(rotation);
-    renderFromWorld[3] = glm::dvec4(-(rotation * DVec3(worldFromRender_[3])), 1);
-
-    for (RenderObject &object : objects_) {
-        surfaceAtFrame(object, frame, scene_->render.fps, renderFromWorld, times.deformation, times.gradient);
-        Stopwatch watch;
-        makeShadingGradient(object);
-        times.gradient += watch.lap();
+void RenderScene::moveCamera(double frame, const DMat4 &renderFromWorld) {
+    cameraSteps_.assign(1, Affine(1));
+    if (!(scene_->render.shutter > 0)) return;
+    const auto count = static_cast<std::size_t>(scene_->render.motionSteps);
+    cameraSteps_.clear();
+    for (std::size_t step = 0; step < count; ++step) {
+        const CameraState there = cameraAtFrame(scene_->camera, frameOfStep(scene_->render, frame, step, count), scene_->render.fps);
+        cameraSteps_.emplace_back(renderFromWorld * there.worldFromCamera);
     }
-    Stopwatch watch;
-    if (!committed_) {
-        for (Index i = 0; i < objects_.size(); ++i) {
-            RenderObject &object = objects_[i];
-            object.geometry = embree_.addTriangles(object.frame.positions, object.surface.triangles, true);
+    const bool still = std::all_of(cameraSteps_.begin(), cameraSteps_.end(), [&](const Affine &m) { return m == cameraSteps_.front(); });
+    if (still) cameraSteps_.assign(1, Affine(1));
+}
+
+void RenderScene::setFrame(double frame, StageTimes &times) {
+    const RenderSettings &render = scene_->render;
+    camera_ = cameraAtFrame(scene_->camera, frame, render.fps);
+    worldFromRender_ = camera_.worldFromCamera;
+    const DMat4 renderFromWorld = inverseOfRigid(worldFromRender_);
+    moveCamera(frame, renderFromWorld);
+    const double raysPerFrame = kRaysPerSample * render.width * render.height * render.spp;
+    for (Index i = 0; i < objects_.size(); ++i) {
+        RenderObject &object = objects_[i];
+        bool moved = false;
+        for (std::size_t step = 0; step < object.steps.size(); ++step)
+            moved |= moveObject(object, step, frameOfStep(render, frame, step, object.steps.size()), render.fps, renderFromWorld,
+                                times.deformation, times.gradient);
+        Stopwatch watch;
+        const std::vector<Vec3> &positions = object.steps.front().positions;
+        if (!committed_) {
+            std::vector<std::span<const Vec3>> steps;
+            for (const SurfaceStep &step : object.steps) steps.emplace_back(step.positions);
+            object.geometry = embree_.addTriangles(steps, object.surface.triangles);
             owners_.resize(std::max<std::size_t>(owners_.size(), object.geometry + 1), kNone);
             owners_[object.geometry] = i;
+            if (!object.rigid) object.bvh.built(object.surface.triangles, positions);
+        } else if (moved) {
+            // A rigid motion leaves the fit of the tree as it was.
+            const bool rebuild =
+                !plan_.mayRefit || (!object.rigid && object.bvh.shouldRebuild(object.surface.triangles, positions, raysPerFrame));
+            embree_.update(object.geometry, rebuild);
+            if (rebuild) object.bvh.built(object.surface.triangles, positions);
         }
-    } else {
-        for (const RenderObject &object : objects_) embree_.update(object.geometry);
+        times.bvh += watch.lap();
     }
+    Stopwatch watch;
     placeLights(renderFromWorld);
     embree_.commit();
     committed_ = true;
@@ -140,16 +163,17 @@ void RenderScene::placeLights(const DMat4 &renderFromWorld) {
         LightEntry entry;
         entry.kind = LightKind::Mesh;
         entry.radiance = object.object->emission.value;
-        entry.positions = object.frame.positions;
+        for (const SurfaceStep &step : object.steps) entry.steps.emplace_back(step.positions);
         entry.triangles = object.surface.triangles;
         entry.twoSided = object.object->emissionTwoSided;
         entry.mirrored = object.mirrored;
         double sum = 0;
         DVec3 centroid(0);
+        const std::span<const Vec3> positions = entry.steps.front();
         for (const Index3 &t : entry.triangles) {
-            const Vec3 &a = entry.positions[t.x];
-            const Vec3 &b = entry.positions[t.y];
-            const Vec3 &c = entry.positions[t.z];
+            const Vec3 &a = positions[t.x];
+            const Vec3 &b = positions[t.y];
+            const Vec3 &c = positions[t.z];
             const double area = 0.5 * static_cast<double>(glm::length(glm::cross(b - a, c - a)));
             sum += area;
             centroid += DVec3(a + b + c) * (area / 3);

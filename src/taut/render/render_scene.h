@@ -4,21 +4,11 @@
 /// Render space is camera space (origin at the lens, looking along -z, y up), reached from world space in double precision
 /// before anything is rounded to float. So a motion that objects and camera share leaves the same bits behind.
 
-#include "taut/deform/stretch.h"
 #include "taut/render/embree_scene.h"
 #include "taut/render/lights.h"
-#include "taut/scene/object_surface.h"
-#include "taut/scene/scene.h"
+#include "taut/render/surface_step.h"
 
 namespace taut {
-
-/// One object of the scene with its buffers; all per-vertex data are in render space.
-struct RenderObject : ObjectSurface {
-    std::vector<SymmetricTensor> stretch; ///< [vertices] left stretch tensor V; empty: the identity (rigid, or follow = false)
-    std::vector<Vec4> tangents;           ///< [vertices] rotated tangent and sense, polarGradient()
-    bool rigid = false;
-    Index geometry = kNone;
-};
 
 /// Seconds spent, by stage; shading stages are summed over threads.
 struct StageTimes {
@@ -34,7 +24,8 @@ struct StageTimes {
 class RenderScene {
   public:
     /// Builds topology. Keeps a reference to `scene`. `animated`: more than one frame will be asked for.
-    RenderScene(const Scene &scene, bool animated);
+    RenderScene(const Scene &scene, bool animated) : RenderScene(scene, defaultPlan(scene), animated) {}
+    RenderScene(const Scene &scene, ScenePlan plan, bool animated);
     RenderScene(const RenderScene &) = delete;
     RenderScene &operator=(const RenderScene &) = delete;
 
@@ -46,6 +37,10 @@ class RenderScene {
     [[nodiscard]] const std::vector<RenderObject> &objects() const { return objects_; }
     [[nodiscard]] const LightTable &lights() const { return lights_; }
     [[nodiscard]] const CameraState &camera() const { return camera_; }
+    /// Where the camera stands at equally spaced times in the shutter; render space is its own at the frame itself. One where it
+    /// stands still.
+    [[nodiscard]] const std::vector<Affine> &cameraSteps() const { return cameraSteps_; }
+    [[nodiscard]] const ScenePlan &plan() const { return plan_; }
     [[nodiscard]] const DMat4 &worldFromRender() const { return worldFromRender_; }
 
     /// The object behind an Embree geometry number.
@@ -56,13 +51,17 @@ class RenderScene {
   private:
     void placeLights(const DMat4 &renderFromWorld);
 
+    void moveCamera(double frame, const DMat4 &renderFromWorld);
+
     const Scene *scene_;
+    ScenePlan plan_;
     EmbreeScene embree_;
     std::vector<RenderObject> objects_;
     std::vector<Index> owners_;       // [geometries] -> object
     std::vector<Index> lightEntries_; // [objects] -> light table
     LightTable lights_;
     CameraState camera_;
+    std::vector<Affine> cameraSteps_;
     DMat4 worldFromRender_{1};
     bool committed_ = false;
 };

@@ -40,13 +40,18 @@ RestRoughness restRoughness(const Material &material, const Scene &scene, const 
 
 /// M = A M0 / lambda in the shading frame. With A = V R, R taking t0 to `tangent` and b0 to its `sense` side, and because a mirror
 /// image of the standard microsurface is itself, M = V Rotation(tangent) Rotation(sense * rotation) diag(1/alphaX, 1/alphaY).
-MicroTransform transformAt(const Material &material, const Scene &scene, const Vec2 &uv, const Vec3 &stretch, const Vec2 &tangent,
-                           float sense) {
-    const RestRoughness rest = restRoughness(material, scene, uv);
+/// A leaning mesh brings its own lambda along, already in `stretch` and `lean`.
+MicroTransform transformAt(const Material &material, const Scene &scene, const SurfacePoint &point, float sense) {
+    const RestRoughness rest = restRoughness(material, scene, point.uv);
+    const Vec3 &stretch = point.stretch;
+    const Vec2 &lean = point.lean;
+    const Vec2 &tangent = point.tangent;
     const float area = std::fabs(stretch.x * stretch.z - stretch.y * stretch.y);
-    const float inverseLambda = material.poisson == 0 ? 1.0F : 1 / normalStretch(std::fmax(area, 1e-12F), material.poisson);
+    const bool thins = material.poisson != 0 && !point.object->object->lean;
+    const float inverseLambda = thins ? 1 / normalStretch(std::fmax(area, 1e-12F), material.poisson) : 1.0F;
     const Vec3 v = stretch * inverseLambda;
-    if (rest.alphaX == rest.alphaY) return microTransform(v.x / rest.alphaX, v.y / rest.alphaX, v.y / rest.alphaX, v.z / rest.alphaX);
+    if (rest.alphaX == rest.alphaY)
+        return microTransform(v.x / rest.alphaX, v.y / rest.alphaX, v.y / rest.alphaX, v.z / rest.alphaX, lean.x, lean.y);
     Vec2 axis = tangent;
     if (rest.rotation != 0) {
         const float c = std::cos(rest.rotation);
@@ -54,13 +59,14 @@ MicroTransform transformAt(const Material &material, const Scene &scene, const V
         axis = {tangent.x * c - tangent.y * s, tangent.x * s + tangent.y * c};
     }
     return microTransform((v.x * axis.x + v.y * axis.y) / rest.alphaX, (v.y * axis.x - v.x * axis.y) / rest.alphaY,
-                          (v.y * axis.x + v.z * axis.y) / rest.alphaX, (v.z * axis.x - v.y * axis.y) / rest.alphaY);
+                          (v.y * axis.x + v.z * axis.y) / rest.alphaX, (v.z * axis.x - v.y * axis.y) / rest.alphaY, lean.x, lean.y);
 }
 
-Multiscatter multiscatterAt(const Material &material, const Bsdf &bsdf) {
-    if (material.multiscatter != Multiscatter::Auto) return material.multiscatter;
+Multiscatter multiscatterAt(const PreparedMaterial &prepared, const Bsdf &bsdf) {
+    if (prepared.material->multiscatter != Multiscatter::Auto) return prepared.material->multiscatter;
     if (!bsdf.correlated) return Multiscatter::Off; // table and walk are those of correlated heights
-    return chooseMultiscatter(bsdf.micro, bsdf.type == BsdfType::Dielectric);
+    if (prepared.multiscatter.model != Multiscatter::Auto) return prepared.multiscatter.model;
+    return chooseMultiscatter(bsdf.micro, bsdf.type == BsdfType::Dielectric, prepared.multiscatter.negligibleLoss);
 }
 
 Bsdf makeBsdf(const PreparedMaterial &prepared, const Scene &scene, const SurfacePoint &point, float sense, Vec3 &baseColor) {
@@ -99,61 +105,122 @@ Bsdf makeBsdf(const PreparedMaterial &prepared, const Scene &scene, const Surfac
     }
     }
     bsdf.diffuseEscape = prepared.coatEscape;
-    bsdf.micro = transformAt(material, scene, uv, point.stretch, point.tangent, sense);
+    bsdf.micro = transformAt(material, scene, point, sense);
     if (material.type == MaterialType::Conductor || material.type == MaterialType::Dielectric)
-        bsdf.multiscatter = multiscatterAt(material, bsdf);
+        bsdf.multiscatter = multiscatterAt(prepared, bsdf);
     return bsdf;
 }
 
 } // namespace
 
-std::vector<PreparedMaterial> prepareMaterials(const Scene &scene) {
+std::vector<PreparedMaterial> prepareMaterials(const Scene &scene, const ScenePlan &plan) {
     std::vector<PreparedMaterial> prepared;
-    for (const Material &material : scene.materials) prepared.push_back({&material, coatEscape(material.ior)});
+    for (std::size_t i = 0; i < scene.materials.size(); ++i)
+        prepared.push_back({&scene.materials[i], coatEscape(scene.materials[i].ior), plan.materials[i]});
     return prepared;
 }
 
-SurfacePoint surfacePointAt(const RenderScene &scene, const std::vector<PreparedMaterial> &materials, const Hit &hit, const Vec3 &wo) {
+namespace {
+
+/// Attributes of a triangle's three corners at one time: between two steps of the shutter where there are several.
+class CornerValues {
+  public:
+    CornerValues(const RenderObject &object, const Index3 &corners, Index triangle, float time) : corners_(corners), triangle_(triangle) {
+        const std::size_t last = object.steps.size() - 1;
+        const float at = time * static_cast<float>(last);
+        const std::size_t before = last == 0 ? 0 : std::min(static_cast<std::size_t>(at), last - 1);
+        first_ = &object.steps[before];
+        second_ = last == 0 ? nullptr : &object.steps[before + 1];
+        u_ = at - static_cast<float>(before);
+    }
+    template <class T> [[nodiscard]] T at(std::vector<T> SurfaceStep::*values, Index i) const {
+        const T &a = (first_->*values)[i];
+        return second_ == nullptr ? a : mix(a, (second_->*values)[i]);
+    }
+    template <class T> [[nodiscard]] T interpolate(std::vector<T> SurfaceStep::*values, const Vec3 &b) const {
+        return weighted(at(values, corners_.x), at(values, corners_.y), at(values, corners_.z), b);
+    }
+    /// V in the form of its scheme; of the mesh, the face or the corners.
+    [[nodiscard]] SymmetricTensor stretch(const RenderObject &object, const Vec3 &b) const {
+        if (first_->stretch.size() == 1) return at(&SurfaceStep::stretch, 0);
+        return object.stretchOnFaces() ? at(&SurfaceStep::stretch, triangle_) : interpolate(&SurfaceStep::stretch, b);
+    }
+    [[nodiscard]] const SurfaceStep &step() const { return *first_; }
+
+  private:
+    template <class T> static T weighted(const T &x, const T &y, const T &z, const Vec3 &b) { return x * b.x + y * b.y + z * b.z; }
+    static SymmetricTensor weighted(const SymmetricTensor &x, const SymmetricTensor &y, const SymmetricTensor &z, const Vec3 &b) {
+        return {weighted(x.diagonal, y.diagonal, z.diagonal, b), weighted(x.offDiagonal, y.offDiagonal, z.offDiagonal, b)};
+    }
+    template <class T> [[nodiscard]] T mix(const T &x, const T &y) const { return glm::mix(x, y, u_); }
+    [[nodiscard]] SymmetricTensor mix(const SymmetricTensor &x, const SymmetricTensor &y) const {
+        return {glm::mix(x.diagonal, y.diagonal, u_), glm::mix(x.offDiagonal, y.offDiagonal, u_)};
+    }
+    Index3 corners_;
+    Index triangle_;
+    const SurfaceStep *first_;
+    const SurfaceStep *second_;
+    float u_;
+};
+
+/// V, the rotated tangent and the lean at the point, in its frame.
+void deformationAt(const RenderObject &object, const CornerValues &values, SurfacePoint &point) {
+    const SurfaceStep &step = values.step();
+    const Vec3 &s = point.frame.s;
+    const Vec3 &t = point.frame.t;
+    if (!step.ds.empty()) {
+        const Vec3 ds = values.interpolate(&SurfaceStep::ds, point.barycentrics);
+        const Vec3 dt = values.interpolate(&SurfaceStep::dt, point.barycentrics);
+        const PlanarPolar polar = polarInFrame({glm::dot(s, ds), glm::dot(t, ds)}, {glm::dot(s, dt), glm::dot(t, dt)});
+        point.stretch = polar.stretch;
+        point.tangent = polar.tangent;
+    } else if (!step.stretch.empty()) {
+        const bool onFaces = object.stretchOnFaces() || step.stretch.size() == 1;
+        point.stretch = decodeStretch(onFaces ? GradientInterpolation::Stretch : object.plan.interpolation,
+                                      values.stretch(object, point.barycentrics), s, t);
+    }
+    if (step.lean.empty()) return;
+    const Vec3 lean = values.interpolate(&SurfaceStep::lean, point.barycentrics) * (point.front ? 1.0F : -1.0F);
+    point.lean = {glm::dot(s, lean), glm::dot(t, lean)};
+}
+
+} // namespace
+
+SurfacePoint surfacePointAt(const RenderScene &scene, const std::vector<PreparedMaterial> &materials, const Hit &hit, const Vec3 &wo,
+                            float time) {
     SurfacePoint point;
     const RenderObject &object = scene.objects()[scene.objectOfGeometry(hit.geometry)];
     const Surface &surface = object.surface;
-    const SurfaceFrame &vertices = object.frame;
     const Index3 t = surface.triangles[hit.primitive];
     const Vec3 b(1 - hit.u - hit.v, hit.u, hit.v);
-    const auto interpolate = [&](const auto &values) { return values[t.x] * b.x + values[t.y] * b.y + values[t.z] * b.z; };
+    const CornerValues values(object, t, hit.primitive, time);
 
     point.object = &object;
     point.corners = t;
     point.barycentrics = b;
-    point.position = interpolate(vertices.positions);
-    const Vec3 &p0 = vertices.positions[t.x];
-    Vec3 geometric = glm::cross(vertices.positions[t.y] - p0, vertices.positions[t.z] - p0);
+    const Vec3 p0 = values.at(&SurfaceStep::positions, t.x);
+    const Vec3 p1 = values.at(&SurfaceStep::positions, t.y);
+    const Vec3 p2 = values.at(&SurfaceStep::positions, t.z);
+    point.position = p0 * b.x + p1 * b.y + p2 * b.z;
+    Vec3 geometric = glm::cross(p1 - p0, p2 - p0);
     const float doubleArea = glm::length(geometric);
     geometric = doubleArea > 0 ? geometric / doubleArea : wo;
     if (object.mirrored) geometric = -geometric;
     point.front = glm::dot(geometric, wo) >= 0;
     point.geometricNormal = point.front ? geometric : -geometric;
 
-    Vec3 normal = interpolate(vertices.normals);
+    Vec3 normal = values.interpolate(&SurfaceStep::normals, b);
     const float normalLength = glm::length(normal);
     normal = normalLength > 0 ? normal / normalLength : geometric;
-    const Vec4 tangent = interpolate(object.tangents);
+    const Vec4 tangent = values.interpolate(&SurfaceStep::tangents, b);
     point.frame = smoothFrameFromNormal(point.front ? normal : -normal);
     const Vec2 projected(glm::dot(point.frame.s, Vec3(tangent)), glm::dot(point.frame.t, Vec3(tangent)));
     const float projectedLength = glm::length(projected);
     if (projectedLength > 0) point.tangent = projected / projectedLength;
     // The sense of b0 is held against the outside; the frame follows the viewer's side.
     const float sense = (tangent.w < 0) == point.front ? -1.0F : 1.0F;
-
-    if (!object.stretch.empty()) {
-        SymmetricTensor v;
-        const auto &stretch = object.stretch;
-        v.diagonal = stretch[t.x].diagonal * b.x + stretch[t.y].diagonal * b.y + stretch[t.z].diagonal * b.z;
-        v.offDiagonal = stretch[t.x].offDiagonal * b.x + stretch[t.y].offDiagonal * b.y + stretch[t.z].offDiagonal * b.z;
-        const Vec3 vs = v.times(point.frame.s);
-        point.stretch = {glm::dot(point.frame.s, vs), glm::dot(point.frame.t, vs), glm::dot(point.frame.t, v.times(point.frame.t))};
-    }
-    if (!surface.uvs.empty()) point.uv = interpolate(surface.uvs);
+    deformationAt(object, values, point);
+    if (!surface.uvs.empty()) point.uv = surface.uvs[t.x] * b.x + surface.uvs[t.y] * b.y + surface.uvs[t.z] * b.z;
 
     const Index slot = surface.triangleSlots.empty() ? 0 : surface.triangleSlots[hit.primitive];
     const Object &source = *object.object;

@@ -19,6 +19,7 @@ struct SurfacePoint {
     Vec3 emission{0};  ///< radiance leaving towards the viewer
     // For AOVs.
     Vec3 stretch{1, 0, 1}; ///< V in the frame: ss, st, tt
+    Vec2 lean{0};          ///< column 3 of M in the frame; zero unless the mesh leans
     Vec2 tangent{1, 0};    ///< R t0, the rotated tangent, in the frame; unit
     Vec3 baseColor{0};
     const RenderObject *object = nullptr;
@@ -30,11 +31,13 @@ struct SurfacePoint {
 struct PreparedMaterial {
     const Material *material = nullptr;
     float coatEscape = 1; ///< coatEscape(ior)
+    MultiscatterPlan multiscatter;
 };
-std::vector<PreparedMaterial> prepareMaterials(const Scene &scene);
+std::vector<PreparedMaterial> prepareMaterials(const Scene &scene, const ScenePlan &plan);
 
-/// Fills the point for a hit. `wo` is the unit direction back along the ray.
-SurfacePoint surfacePointAt(const RenderScene &scene, const std::vector<PreparedMaterial> &materials, const Hit &hit, const Vec3 &wo);
+/// Fills the point for a hit at a time in the shutter. `wo` is the unit direction back along the ray.
+SurfacePoint surfacePointAt(const RenderScene &scene, const std::vector<PreparedMaterial> &materials, const Hit &hit, const Vec3 &wo,
+                            float time = 0);
 
 /// `position` moved off the surface to the side of `normal`, far enough that a ray from there does not meet it again.
 inline Vec3 offsetOrigin(const Vec3 &position, const Vec3 &normal) {

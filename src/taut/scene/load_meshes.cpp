@@ -1,6 +1,7 @@
 /// [[mesh]] entries: single meshes, numbered sequences and glTF files.
 
 #include "taut/base/frame_set.h"
+#include "taut/mesh/point_cache.h"
 #include "taut/mesh/read_mesh.h"
 #include "taut/scene/load_context.h"
 
@@ -78,6 +79,41 @@ std::vector<Index> slotMaterials(LoadContext &context, const Mesh &mesh, const s
     return materials;
 }
 
+/// The keys about how a mesh becomes a surface.
+void loadSurfaceModel(TableReader &table, Object &object) {
+    table.read("subdivision", object.subdivision.level, integerIn(0, kMaxSubdivisionLevel));
+    table.read("scheme", object.subdivision.scheme,
+               oneOf<SubdivisionScheme>({{"catmull-clark", SubdivisionScheme::CatmullClark}, {"loop", SubdivisionScheme::Loop}}));
+    table.read(
+        "boundary", object.subdivision.boundary,
+        oneOf<SubdivisionBoundary>({{"edge-and-corner", SubdivisionBoundary::EdgeAndCorner}, {"edge", SubdivisionBoundary::EdgeOnly}}));
+    table.read("crease_deg", object.subdivision.creaseAngle, numberIn({0, 180, false}, radians(1)));
+    table.read("lean", object.lean);
+    if (const TomlValue *value = table.find("gradient"))
+        object.gradient = toChoice<std::optional<GradientEstimator>>(*value, {{"auto", std::nullopt},
+                                                                              {"face", GradientEstimator::Face},
+                                                                              {"area", GradientEstimator::Area},
+                                                                              {"angle", GradientEstimator::Angle},
+                                                                              {"least-squares", GradientEstimator::LeastSquares},
+                                                                              {"limit", GradientEstimator::Limit},
+                                                                              {"analytic", GradientEstimator::Analytic}});
+    const bool subdivided = object.subdivision.level > 0;
+    if (object.gradient && (object.gradient == GradientEstimator::Limit) != subdivided &&
+        (object.gradient == GradientEstimator::Limit || object.gradient == GradientEstimator::Analytic))
+        failInput(table.find("gradient")->where, quoted(table.find("gradient")->text),
+                  subdivided ? "'limit' or one of the fits for a subdivided mesh" : "'analytic' or one of the fits without subdivision");
+    if (object.lean && (subdivided || object.gradient.value_or(GradientEstimator::Analytic) != GradientEstimator::Analytic))
+        failInput(table.find("lean")->where, "lean = true",
+                  "lean = false, or gradient = \"analytic\" without subdivision: the space above a surface is known to deformers alone");
+    if (const TomlValue *value = table.find("interpolation"))
+        object.interpolation = toChoice<std::optional<GradientInterpolation>>(*value, {{"auto", std::nullopt},
+                                                                                       {"stretch", GradientInterpolation::Stretch},
+                                                                                       {"ds-dt", GradientInterpolation::DsDt},
+                                                                                       {"cholesky", GradientInterpolation::Cholesky},
+                                                                                       {"log", GradientInterpolation::LogEuclidean},
+                                                                                       {"face", GradientInterpolation::Face}});
+}
+
 void addGltf(LoadContext &context, TableReader &table, const TomlValue &file, Object common) {
     const GltfMotion motion = loadGltfMotion(table, gltfFile(context, filePath(context, file)));
     const TomlValue *material = table.find("material");
@@ -86,6 +122,18 @@ void addGltf(LoadContext &context, TableReader &table, const TomlValue &file, Ob
     table.finish();
     if (lights) addGltfLights(context, motion, common.placement);
     addGltfObjects(context, common, motion, material, file.where);
+}
+
+/// A point cache that fits the mesh.
+CacheMotion pointCache(const LoadContext &context, const TomlValue &value, const Mesh &mesh, bool isSequence) {
+    if (!isPointCachePath(toText(value))) failInput(value.where, quoted(value.text), "a file ending in .pc2 or .mdd");
+    if (isSequence) failInput(value.where, "a cache for a numbered sequence", "one of the two");
+    CacheMotion cache{filePath(context, value)};
+    const std::uint32_t points = PointCacheReader(cache.path).info().points;
+    if (points != mesh.positions.size())
+        failInput(value.where, quoted(value.text) + " with " + std::to_string(points) + " points",
+                  "as many as the mesh has positions, " + std::to_string(mesh.positions.size()));
+    return cache;
 }
 
 void addMesh(LoadContext &context, TableReader &table, const TomlValue &file, Object object) {
@@ -105,8 +153,10 @@ void addMesh(LoadContext &context, TableReader &table, const TomlValue &file, Ob
         path = filePath(context, file);
     }
     const TomlValue *material = table.find("material");
+    const TomlValue *cache = table.find("cache");
     table.finish();
     object.mesh = meshFile(context, path);
+    if (cache != nullptr) object.cache = pointCache(context, *cache, *object.mesh, object.sequence.has_value());
     object.name = uniqueName(context.objectNames, object.name);
     object.materials = slotMaterials(context, *object.mesh, object.name, material);
     context.scene.objects.push_back(std::move(object));
@@ -135,13 +185,14 @@ void loadMeshes(LoadContext &context, const TomlValue &section) {
     if (section.kind != TomlValue::Kind::Array) failInput(section.where, describe(section), "tables [[mesh]]");
     for (const TomlValue &entry : section.items) {
         TableReader table(entry, "[[mesh]]",
-                          {"file", "name", "material", "subdivision", "smooth", "follow", "rest", "translate", "rotate_deg", "scale", "up",
-                           "clip", "loop", "lights", "deform"});
+                          {"file",       "name",       "material", "subdivision",   "smooth", "follow", "rest",   "translate",
+                           "rotate_deg", "scale",      "up",       "clip",          "loop",   "lights", "deform", "scheme",
+                           "boundary",   "crease_deg", "gradient", "interpolation", "lean",   "cache"});
         const TomlValue &file = table.required("file", "file = \"mesh.obj\"");
         Object object;
         object.name = stemOf(toText(file));
         table.read("name", object.name);
-        table.read("subdivision", object.subdivision, integerIn(0, 5));
+        loadSurfaceModel(table, object);
         table.read("smooth", object.smooth);
         table.read("follow", object.follow);
         table.read("rest", object.rest, toRest);

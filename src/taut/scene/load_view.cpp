@@ -137,7 +137,8 @@ Light toLight(TableReader &table, LightKey kind) {
 } // namespace
 
 void loadRender(const TomlValue &section, RenderSettings &render) {
-    TableReader table(section, "[render]", {"width", "height", "spp", "max_events", "frames", "fps", "seed", "fixed_seed", "filter"});
+    TableReader table(section, "[render]",
+                      {"width", "height", "spp", "max_events", "frames", "fps", "seed", "fixed_seed", "filter", "shutter", "motion_steps"});
     table.read("width", render.width, integerIn(1, 32768));
     table.read("height", render.height, integerIn(1, 32768));
     table.read("spp", render.spp, integerIn(1, 1 << 24));
@@ -146,6 +147,8 @@ void loadRender(const TomlValue &section, RenderSettings &render) {
     table.read("fps", render.fps, numberIn({0, 1e6, true}));
     table.read("seed", render.seed, integerIn(0, 0xffffffff));
     table.read("fixed_seed", render.fixedSeed);
+    table.read("shutter", render.shutter, numberIn({0, 1000, false}));
+    table.read("motion_steps", render.motionSteps, integerIn(2, 128));
     table.read("filter", render.boxFilter, oneOf<bool>({{"blackman-harris", false}, {"box", true}}));
 }
 

@@ -84,6 +84,28 @@ void sequenceControl(const Object &object, double frame, ObjectMotion &motion) {
     for (std::size_t i = 0; i < motion.control.size(); ++i) motion.control[i] = glm::mix(motion.control[i], other[i], u);
 }
 
+const std::vector<Vec3> &cacheSample(std::int64_t number, std::int64_t other, ObjectMotion &motion) {
+    for (std::size_t i = 0; i < 2; ++i)
+        if (motion.cacheNumbers[i] == number) return motion.cacheSamples[i];
+    const std::size_t slot = motion.cacheNumbers[0] == other ? 1 : 0;
+    motion.cache->read(static_cast<std::uint32_t>(number), motion.cacheSamples[slot]);
+    motion.cacheNumbers[slot] = number;
+    return motion.cacheSamples[slot];
+}
+
+/// Positions from the point cache, linear between its samples.
+void cacheControl(const Object &object, double frame, double fps, ObjectMotion &motion) {
+    if (!motion.cache) motion.cache = std::make_shared<PointCacheReader>(object.cache->path);
+    const double sample = motion.cache->info().sampleAtFrame(frame, fps);
+    const auto before = static_cast<std::int64_t>(std::floor(sample));
+    const auto u = static_cast<float>(sample - static_cast<double>(before));
+    const std::vector<Vec3> &first = cacheSample(before, before + 1, motion);
+    motion.control = first;
+    if (u == 0) return;
+    const std::vector<Vec3> &second = cacheSample(before + 1, before, motion);
+    for (std::size_t i = 0; i < motion.control.size(); ++i) motion.control[i] = glm::mix(motion.control[i], second[i], u);
+}
+
 } // namespace
 
 Mat3 restFromObject(const Object &object) {
@@ -101,7 +123,8 @@ Mat3 restFromObject(const Object &object) {
 }
 
 bool isRigid(const Object &object) {
-    if (object.sequence || !object.deformers.empty() || !object.rest.bind || !object.placement.scale.isConstant()) return false;
+    if (object.sequence || object.cache || !object.deformers.empty() || !object.rest.bind || !object.placement.scale.isConstant())
+        return false;
     if (!object.gltf) return true;
     if (skinOf(object) != nullptr || !object.mesh->morphs.empty()) return false;
     // A node is rigid where nothing above it scales over time.
@@ -132,6 +155,11 @@ void motionAtFrame(const Object &object, double frame, double fps, const DMat4 &
 
     if (object.sequence) {
         sequenceControl(object, frame, motion);
+        state.control = motion.control;
+        state.controlMoved = true;
+    }
+    if (object.cache) {
+        cacheControl(object, frame, fps, motion);
         state.control = motion.control;
         state.controlMoved = true;
     }

@@ -3,8 +3,11 @@
 /// MotionState that deform/ evaluates.
 
 #include "taut/deform/surface_motion.h"
+#include "taut/mesh/point_cache.h"
 #include "taut/scene/scene.h"
 
+#include <array>
+#include <memory>
 #include <unordered_map>
 
 namespace taut {
@@ -17,6 +20,9 @@ Mat3 restFromObject(const Object &object);
 struct ObjectMotion {
     std::vector<Vec3> control;
     std::unordered_map<int, std::vector<Vec3>> sequenceFrames;
+    std::shared_ptr<PointCacheReader> cache;
+    std::array<std::vector<Vec3>, 2> cacheSamples;    ///< the samples read last,
+    std::array<std::int64_t, 2> cacheNumbers{-1, -1}; ///< and which they are
     MotionState state;
 };
 

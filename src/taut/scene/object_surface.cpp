@@ -5,17 +5,31 @@
 
 namespace taut {
 
+GradientEstimator defaultEstimator(const Object &object) {
+    return object.gradient.value_or(object.subdivision.level > 0 ? GradientEstimator::Limit : GradientEstimator::Analytic);
+}
+
 void prepareObjectSurface(const Object &object, double fps, ObjectSurface &out) {
+    prepareObjectSurface(object, fps, defaultEstimator(object), out);
+}
+
+void prepareObjectSurface(const Object &object, double fps, GradientEstimator estimator, ObjectSurface &out) {
     out.object = &object;
+    out.estimator = estimator;
+    out.gradient.wantNormalImage = object.lean;
     SurfaceOptions options;
     options.restFromObject = restFromObject(object);
     options.smooth = object.smooth;
     options.weld = object.gltf.has_value();
-    if (object.subdivision > 0) {
-        const Mesh cage = options.weld ? welded(*object.mesh) : *object.mesh;
-        out.subdivision = subdivide(cage, {.level = object.subdivision});
-        options.limit = &*out.subdivision;
-        options.cage = object.mesh->positions;
+    options.fit = estimator == GradientEstimator::Angle          ? GradientFit::Angle
+                  : estimator == GradientEstimator::LeastSquares ? GradientFit::LeastSquares
+                                                                 : GradientFit::Area;
+    if (object.subdivision.level > 0) {
+        out.subdivision = subdivide(options.weld ? welded(*object.mesh) : *object.mesh, object.subdivision);
+        if (estimator == GradientEstimator::Limit) {
+            options.limit = &*out.subdivision;
+            options.cage = object.mesh->positions;
+        }
         options.weld = false;
     }
     out.surface = buildSurface(out.mesh(), options);
@@ -35,11 +49,13 @@ void deformAtFrame(ObjectSurface &object, double frame, double fps, const DMat4 
     object.mirrored = state.mirrored;
     if (object.subdivision) {
         evaluatePositions(state, source.mesh->skin, object.cage);
+        const bool onLimit = object.surface.onLimit();
+        if (!onLimit) applyStencils(object.subdivision->positions, object.cage, object.refined);
         deformationSeconds += watch.lap();
-        fitGradient(object.surface, object.cage, state.mirrored, source.name, object.gradient);
+        fitGradient(object.surface, onLimit ? object.cage : object.refined, state.mirrored, source.name, object.gradient);
     } else {
         deformationSeconds += watch.lap();
-        evaluateGradient(object.surface, state, source.mesh->skin, GradientEstimator::Analytic, source.name, object.gradient);
+        evaluateGradient(object.surface, state, source.mesh->skin, object.estimator, source.name, object.gradient);
     }
     gradientSeconds += watch.lap();
 }

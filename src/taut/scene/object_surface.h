@@ -16,7 +16,9 @@ struct ObjectSurface {
     std::optional<Subdivision> subdivision;
     Surface surface;
     ObjectMotion motion;
-    std::vector<Vec3> cage; ///< subdivision: control points in target space
+    GradientEstimator estimator = GradientEstimator::Analytic;
+    std::vector<Vec3> cage;    ///< subdivision: control points in target space
+    std::vector<Vec3> refined; ///< subdivision, estimators other than Limit: limit points in target space
     SurfaceGradient gradient;
     SurfaceFrame frame;    ///< filled by surfaceAtFrame
     bool mirrored = false; ///< triangles are seen the other way round
@@ -24,7 +26,11 @@ struct ObjectSurface {
     [[nodiscard]] const Mesh &mesh() const { return subdivision ? subdivision->mesh : *object->mesh; }
 };
 
+/// What an object uses where neither its file nor a plan says: Limit under subdivision, else Analytic.
+GradientEstimator defaultEstimator(const Object &object);
+
 /// Builds topology and the rest state. Keeps a reference to `object`.
+void prepareObjectSurface(const Object &object, double fps, GradientEstimator estimator, ObjectSurface &out);
 void prepareObjectSurface(const Object &object, double fps, ObjectSurface &out);
 
 /// Positions and gradient of the surface vertices at a frame, in target space. Adds the seconds that positions took to

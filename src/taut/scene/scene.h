@@ -5,9 +5,12 @@
 
 #include "taut/bsdf/multiscatter.h"
 #include "taut/deform/deformer.h"
+#include "taut/deform/gradient_interpolation.h"
 #include "taut/deform/keyed.h"
+#include "taut/deform/surface_motion.h"
 #include "taut/mesh/gltf.h"
 #include "taut/mesh/mesh.h"
+#include "taut/mesh/subdivide.h"
 #include "taut/scene/environment.h"
 #include "taut/scene/texture.h"
 
@@ -85,6 +88,11 @@ struct SequenceMotion {
     std::vector<int> frames; ///< the files found, increasing; between them positions are interpolated linearly
 };
 
+/// Positions of the mesh's points over time from a PC2 or MDD file (mesh/point_cache.h), object space.
+struct CacheMotion {
+    std::string path;
+};
+
 struct RestState {
     bool bind = true; ///< undeformed mesh or bind pose; else the shape at `frame`
     double frame = 0;
@@ -97,11 +105,15 @@ struct Object {
     std::vector<Index> materials; ///< [max(1, mesh->materialNames)], into Scene::materials, by face material slot
     std::optional<GltfMotion> gltf;
     std::optional<SequenceMotion> sequence;
+    std::optional<CacheMotion> cache;
     std::vector<DeformerKeys> deformers; ///< in the object's space, before the placement (glTF: in the file's scene space)
     Placement placement;
-    int subdivision = 0; ///< 0-5 uniform levels
-    bool smooth = true;  ///< without file normals: smooth normals; false: faceted
-    bool follow = true;  ///< false: roughness held fixed on the deformed tangent frame
+    SubdivisionOptions subdivision;
+    bool smooth = true; ///< without file normals: smooth normals; false: faceted
+    bool follow = true; ///< false: roughness held fixed on the deformed tangent frame
+    bool lean = false;  ///< deformers move the space above the surface too: M takes their shear and stretch along the normal
+    std::optional<GradientEstimator> gradient;          ///< none: the plan chooses
+    std::optional<GradientInterpolation> interpolation; ///< none: the plan chooses
     RestState rest;
     ColorParam emission{Vec3(0)}; ///< radiance of the outward side, W / (m^2 sr); non-zero makes the object a light
     bool emissionTwoSided = false;
@@ -153,6 +165,8 @@ struct RenderSettings {
     double fps = 24;
     std::uint32_t seed = 0;
     bool fixedSeed = false;
+    double shutter = 0;     ///< how long it is open, in frames; it is centred on the frame. 0: no motion blur
+    int motionSteps = 3;    ///< times within the shutter at which everything that moves is evaluated, 2 to 128; linear between them
     bool boxFilter = false; ///< false: Blackman-Harris of radius 1.5 pixels, importance sampled
 };
 

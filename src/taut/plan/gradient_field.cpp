@@ -1,0 +1,121 @@
+#include "taut/plan/gradient_field.h"
+
+#include "taut/deform/stretch.h"
+#include "taut/microsurface/transform.h"
+
+#include <algorithm>
+
+namespace taut {
+
+namespace {
+
+/// A stretch below this share of the greater one is a collapse.
+constexpr float kCollapsed = 1e-3F;
+
+PolarGradient polarAt(const ObjectSurface &object, std::size_t vertex) {
+    const Index s = object.surface.vertexSurface[vertex];
+    const Vec4 &k = object.surface.frameCoefficients[vertex];
+    const SurfaceGradient &g = object.gradient;
+    return polarGradient(g.f1[s] * k.x + g.f2[s] * k.y, g.f1[s] * k.z + g.f2[s] * k.w, g.normal[s]);
+}
+
+float distance(const SymmetricTensor &a, const SymmetricTensor &b) {
+    const Vec3 d = a.diagonal - b.diagonal;
+    const Vec3 o = a.offDiagonal - b.offDiagonal;
+    return std::sqrt(glm::dot(d, d) + 2 * glm::dot(o, o));
+}
+
+} // namespace
+
+void GradientField::add(const ObjectSurface &object) {
+    const std::size_t count = object.surface.vertexCount();
+    std::vector<SymmetricTensor> tensors(count);
+    std::vector<float> least(count);
+    DVec3 diagonal(0);
+    DVec3 offDiagonal(0);
+    std::size_t collapsedNow = 0;
+    for (std::size_t v = 0; v < count; ++v) {
+        const Index s = object.surface.vertexSurface[v];
+        const Vec4 &k = object.surface.frameCoefficients[v];
+        const Vec3 ds = object.gradient.f1[s] * k.x + object.gradient.f2[s] * k.y;
+        const Vec3 dt = object.gradient.f1[s] * k.z + object.gradient.f2[s] * k.w;
+        const float a = glm::length(ds);
+        const float b = a > 0 ? glm::dot(ds, dt) / a : 0;
+        const float d = a > 0 ? glm::length(glm::cross(ds, dt)) / a : glm::length(dt);
+        const Vec2 sigma = singularValues(a, b, 0, d);
+        greatestStretch = std::fmax(greatestStretch, sigma.x);
+        leastStretch = std::fmin(leastStretch, std::fmax(sigma.y, kLeastSingularValue));
+        if (d > 0) greatestShear = std::fmax(greatestShear, std::fabs(b) / d);
+        if (sigma.y < kCollapsed * sigma.x) ++collapsedNow;
+        logStretch = std::fmax(logStretch, std::fabs(std::log(std::fmax(sigma.x, kLeastSingularValue))));
+        logStretch = std::fmax(logStretch, std::fabs(std::log(std::fmax(sigma.y, kLeastSingularValue))));
+        tensors[v] = polarAt(object, v).stretch;
+        least[v] = std::fmax(sigma.y, kLeastSingularValue);
+        diagonal += DVec3(tensors[v].diagonal);
+        offDiagonal += DVec3(tensors[v].offDiagonal);
+        if (object.gradient.normalImage.empty()) continue;
+        const Vec3 &image = object.gradient.normalImage[s];
+        const Vec3 &n = object.gradient.normal[s];
+        const float along = std::fabs(glm::dot(image, n));
+        if (!(along > 1e-6F * glm::length(image))) continue;
+        lean = std::fmax(lean, glm::length(image - n * glm::dot(image, n)) / along);
+        logNormalStretch = std::fmax(logNormalStretch, std::fabs(std::log(along)));
+    }
+    collapsed = std::max(collapsed, collapsedNow);
+    const double n = std::max<double>(1, static_cast<double>(count));
+    const SymmetricTensor mean{Vec3(diagonal / n), Vec3(offDiagonal / n)};
+    for (std::size_t v = 0; v < count; ++v) fromMean = std::fmax(fromMean, distance(tensors[v], mean) / least[v]);
+
+    std::size_t foldedNow = 0;
+    for (const Index3 &t : object.surface.triangles) {
+        SymmetricTensor middle{Vec3(0), Vec3(0)};
+        for (int k = 0; k < 3; ++k) {
+            middle.diagonal += tensors[t[k]].diagonal / 3.0F;
+            middle.offDiagonal += tensors[t[k]].offDiagonal / 3.0F;
+        }
+        for (int k = 0; k < 3; ++k) withinFace = std::fmax(withinFace, distance(tensors[t[k]], middle) / least[t[k]]);
+        const auto position = [&](int k) { return object.gradient.position[object.surface.vertexSurface[t[k]]]; };
+        const auto normal = [&](int k) { return object.gradient.normal[object.surface.vertexSurface[t[k]]]; };
+        const Vec3 up = glm::cross(position(1) - position(0), position(2) - position(0)) * (object.mirrored ? -1.0F : 1.0F);
+        if (glm::dot(up, normal(0)) < 0 && glm::dot(up, normal(1)) < 0 && glm::dot(up, normal(2)) < 0) ++foldedNow;
+    }
+    folded = std::max(folded, foldedNow);
+}
+
+void GradientField::addFit(const ObjectSurface &exact, const ObjectSurface &fit) {
+    hasFit = true;
+    for (std::size_t v = 0; v < exact.surface.vertexCount(); ++v) {
+        const Index s = exact.surface.vertexSurface[v];
+        const SymmetricTensor a = polarAt(exact, v).stretch;
+        const SymmetricTensor b = polarAt(fit, v).stretch;
+        const float area = glm::length(glm::cross(exact.gradient.f1[s], exact.gradient.f2[s]));
+        const float greatest =
+            std::sqrt(glm::dot(exact.gradient.f1[s], exact.gradient.f1[s]) + glm::dot(exact.gradient.f2[s], exact.gradient.f2[s]));
+        const float least = std::fmax(area / std::fmax(greatest, 1e-20F), kLeastSingularValue);
+        fitStretch = std::fmax(fitStretch, distance(a, b) / least);
+        const Vec3 &n = exact.gradient.normal[s];
+        const Vec3 &m = fit.gradient.normal[s];
+        fitAngle = std::fmax(fitAngle, std::atan2(glm::length(glm::cross(n, m)), glm::dot(n, m)));
+    }
+}
+
+GradientField measureGradientField(const Object &object, std::span<const int> frames, double fps) {
+    GradientField field;
+    const GradientEstimator estimator = defaultEstimator(object);
+    const bool comparesFit = estimator == GradientEstimator::Analytic && !object.gradient && !object.lean;
+    ObjectSurface exact;
+    prepareObjectSurface(object, fps, estimator, exact);
+    ObjectSurface fit;
+    if (comparesFit) prepareObjectSurface(object, fps, GradientEstimator::Area, fit);
+    double ignored = 0;
+    for (const int frame : frames) {
+        deformAtFrame(exact, frame, fps, DMat4(1), ignored, ignored);
+        field.add(exact);
+        if (!comparesFit) continue;
+        deformAtFrame(fit, frame, fps, DMat4(1), ignored, ignored);
+        field.addFit(exact, fit);
+    }
+    return field;
+}
+
+} // namespace taut

@@ -1,0 +1,218 @@
+#include "taut/plan/plan.h"
+
+#include "taut/base/frame.h"
+#include "taut/microsurface/transform.h"
+#include "taut/plan/gradient_field.h"
+
+#include <algorithm>
+
+namespace taut {
+
+namespace {
+
+/// Share of the tolerance that what is lost between facets may take; the rest is for the gradient.
+constexpr float kMultiscatterShare = 0.5F;
+/// Total variation between the compensation's lobe and the walk's, weighed for the smoothing that any light does to lobes so broad.
+constexpr float kCompensationLobeError = 0.35F;
+/// A grazing view loses more than the average over views.
+constexpr float kGrazingLoss = 2;
+/// A lobe's relative change for a relative change of both its widths, at its peak.
+constexpr float kPeakFactor = 2;
+
+// Measured on two cores at 2.5 GHz (taut_surface_bench, taut_reflection_bench), nanoseconds.
+constexpr float kUniformCost = 9;
+constexpr float kFaceCost = 11;
+constexpr float kVertexCost = 16;
+constexpr float kLeanCost = 21;
+constexpr float kFitCost = 30;
+constexpr float kAnalyticCost = 45;
+constexpr float kCompensationCost = 330;
+constexpr float kWalkCost = 340;
+
+bool hasMicrosurface(const Material &material) {
+    return material.type != MaterialType::Diffuse;
+}
+
+/// Least and greatest alpha of a material before deformation; a texture multiplies its value by 0 to 1.
+Vec2 restAlphaRange(const Material &material) {
+    const auto range = [&](const FloatParam &p) {
+        float upper = p.value;
+        float lower = p.texture == kNone ? p.value : 0.0F;
+        if (material.alphaIsRoughness) {
+            upper *= upper;
+            lower *= lower;
+        }
+        return Vec2(lower, upper);
+    };
+    const Vec2 x = range(material.alphaX);
+    const Vec2 y = range(material.alphaY);
+    Vec2 both(std::min(x.x, y.x), std::max(x.y, y.y));
+    // KHR_materials_anisotropy makes alpha rougher along its direction, up to 1.
+    if (material.anisotropyStrength != 0) both.y = std::max(both.y, glm::mix(both.y, 1.0F, sqr(material.anisotropyStrength)));
+    return glm::clamp(both, Vec2(1e-4F), Vec2(10.0F));
+}
+
+/// Takes the cheapest choice whose error fits into what is left, and spends it. The last choice is the model itself, without error.
+void take(Question &question, float &left) {
+    question.taken = question.choices.size() - 1;
+    for (std::size_t i = 0; i < question.choices.size(); ++i)
+        if (question.choices[i].error <= left) {
+            question.taken = i;
+            break;
+        }
+    left -= question.choices[question.taken].error;
+}
+
+/// The materials' alphas over everything that a mesh does.
+struct AlphaRange {
+    float least = kInfinity;
+    float greatest = 0;
+    void add(const Vec2 &rest, const GradientField &field) {
+        least = std::fmin(least, rest.x / field.greatestStretch);
+        greatest = std::fmax(greatest, rest.y / field.leastStretch);
+    }
+};
+
+Question stretchQuestion(const Object &object, const GradientField &field, const AlphaRange &alpha, bool microsurface) {
+    Question q{"stretch", "ns a hit", {}, 0};
+    const bool inert = !microsurface || !object.follow || isRigid(object);
+    q.choices.push_back({"constant", inert ? 0.0F : kPeakFactor * field.logStretch, 0});
+    if (inert) return q;
+    const float leanError = object.lean ? 4 * field.lean * std::fmin(alpha.greatest, 1.0F) + kPeakFactor * field.logNormalStretch : 0.0F;
+    q.choices.push_back({"uniform", kPeakFactor * field.fromMean + leanError, kUniformCost});
+    q.choices.push_back({"per vertex, 3 numbers", leanError, kVertexCost});
+    if (object.lean) q.choices.push_back({"leaning, 5 numbers", 0, kLeanCost});
+    return q;
+}
+
+Question interpolationQuestion(const GradientField &field) {
+    return {"interpolation", "ns a hit", {{"face", kPeakFactor * field.withinFace, kFaceCost}, {"stretch", 0, kVertexCost}}, 0};
+}
+
+/// The fit moves normals as well, which moves a lobe by twice the angle against a width of twice alpha.
+Question gradientQuestion(const GradientField &field, const AlphaRange &alpha) {
+    const float error = kPeakFactor * (field.fitStretch + field.fitAngle / alpha.least);
+    return {"gradient", "ns a vertex", {{"area", error, kFitCost}, {"analytic", 0, kAnalyticCost}}, 0};
+}
+
+void planMesh(const Object &object, const GradientField &field, const AlphaRange &alpha, bool microsurface, float left, MeshPlan &plan) {
+    Question stretch = stretchQuestion(object, field, alpha, microsurface);
+    take(stretch, left);
+    const std::string &model = stretch.choices[stretch.taken].name;
+    plan.stretch = model == "constant"                                          ? StretchModel::Constant
+                   : model == "uniform"                                         ? StretchModel::Uniform
+                   : object.lean && stretch.taken + 1 == stretch.choices.size() ? StretchModel::Leaning
+                                                                                : StretchModel::PerVertex;
+    plan.questions.push_back(std::move(stretch));
+    const bool perVertex = plan.stretch == StretchModel::PerVertex;
+    if (perVertex && !object.interpolation) {
+        Question interpolation = interpolationQuestion(field);
+        take(interpolation, left);
+        plan.interpolation = interpolation.taken == 0 ? GradientInterpolation::Face : GradientInterpolation::Stretch;
+        plan.questions.push_back(std::move(interpolation));
+    }
+    // Normals come from the estimator too, so it matters whatever the stretch model.
+    if (plan.estimator == GradientEstimator::Analytic && plan.stretch != StretchModel::Leaning && field.hasFit && !object.gradient) {
+        Question gradient = gradientQuestion(field, alpha);
+        take(gradient, left);
+        if (gradient.taken == 0) plan.estimator = GradientEstimator::Area;
+        plan.questions.push_back(std::move(gradient));
+    }
+}
+
+MultiscatterPlan planMultiscatter(const Material &material, float greatestAlpha, float budget, float &error) {
+    MultiscatterPlan plan;
+    error = 0;
+    const bool chooses = (material.type == MaterialType::Conductor || material.type == MaterialType::Dielectric) &&
+                         material.multiscatter == Multiscatter::Auto && material.masking == Masking::Correlated;
+    if (!chooses) return plan;
+    const float loss = 1 - energy::averageAlbedo(microTransformFromAlpha(greatestAlpha, greatestAlpha));
+    if (kGrazingLoss * loss <= budget) {
+        plan.model = Multiscatter::Off;
+        error = kGrazingLoss * loss;
+        return plan;
+    }
+    plan.negligibleLoss = 0.5F * budget / kGrazingLoss;
+    const float compensated = kGrazingLoss * plan.negligibleLoss + kCompensationLobeError * loss;
+    if (compensated <= budget && material.type == MaterialType::Conductor) {
+        error = compensated;
+        return plan;
+    }
+    plan.model = Multiscatter::Walk;
+    return plan;
+}
+
+std::vector<int> spreadFrames(const std::vector<int> &frames) {
+    const std::size_t count = std::min<std::size_t>(frames.size(), kPlanFrames);
+    std::vector<int> spread;
+    for (std::size_t i = 0; i < count; ++i) spread.push_back(frames[count == 1 ? 0 : i * (frames.size() - 1) / (count - 1)]);
+    return spread;
+}
+
+} // namespace
+
+ScenePlan defaultPlan(const Scene &scene) {
+    ScenePlan plan;
+    for (const Object &object : scene.objects) {
+        MeshPlan mesh;
+        mesh.stretch = isRigid(object) || !object.follow ? StretchModel::Constant
+                       : object.lean                     ? StretchModel::Leaning
+                                                         : StretchModel::PerVertex;
+        mesh.estimator = defaultEstimator(object);
+        mesh.interpolation = object.interpolation.value_or(GradientInterpolation::Stretch);
+        plan.meshes.push_back(std::move(mesh));
+    }
+    plan.materials.resize(scene.materials.size());
+    return plan;
+}
+
+ScenePlan fullPlan(const Scene &scene) {
+    ScenePlan plan = defaultPlan(scene);
+    for (MultiscatterPlan &material : plan.materials) material.model = Multiscatter::Walk;
+    plan.mayRefit = false;
+    return plan;
+}
+
+ScenePlan makePlan(const Scene &scene, float tolerance) {
+    ScenePlan plan = defaultPlan(scene);
+    plan.tolerance = tolerance;
+    const std::vector<int> frames = spreadFrames(scene.render.frames);
+    std::vector<float> greatestAlpha(scene.materials.size(), 0);
+    const float gradientBudget = (1 - kMultiscatterShare) * tolerance;
+    for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+        const Object &object = scene.objects[i];
+        MeshPlan &mesh = plan.meshes[i];
+        bool microsurface = false;
+        for (const Index m : object.materials) microsurface |= hasMicrosurface(scene.materials[m]);
+        GradientField field;
+        if (!isRigid(object)) field = measureGradientField(object, frames, scene.render.fps);
+        AlphaRange alpha;
+        for (const Index m : object.materials) {
+            if (!hasMicrosurface(scene.materials[m])) continue;
+            AlphaRange own;
+            own.add(restAlphaRange(scene.materials[m]), object.follow ? field : GradientField{});
+            alpha.least = std::fmin(alpha.least, own.least);
+            alpha.greatest = std::fmax(alpha.greatest, own.greatest);
+            greatestAlpha[m] = std::fmax(greatestAlpha[m], own.greatest);
+        }
+        if (alpha.greatest > 0) {
+            mesh.leastAlpha = alpha.least;
+            mesh.greatestAlpha = alpha.greatest;
+        }
+        planMesh(object, field, alpha, microsurface, gradientBudget, mesh);
+        float error = 0;
+        for (const Question &q : mesh.questions) error += q.choices[q.taken].error;
+        plan.predictedError = std::fmax(plan.predictedError, error);
+    }
+    float worst = 0;
+    for (std::size_t m = 0; m < scene.materials.size(); ++m) {
+        float error = 0;
+        plan.materials[m] = planMultiscatter(scene.materials[m], std::fmin(greatestAlpha[m], 10.0F), kMultiscatterShare * tolerance, error);
+        plan.materials[m].error = error;
+        worst = std::fmax(worst, error);
+    }
+    plan.predictedError += worst;
+    return plan;
+}
+
+} // namespace taut

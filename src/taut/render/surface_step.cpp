@@ -1,0 +1,184 @@
+#include "taut/render/surface_step.h"
+
+#include "taut/base/frame.h"
+#include "taut/base/parallel.h"
+#include "taut/base/stopwatch.h"
+#include "taut/deform/face_gradient.h"
+
+namespace taut {
+
+namespace {
+
+constexpr std::size_t kGrain = 2048;
+/// Vertices that the V of a uniformly stretched mesh is the mean of.
+constexpr std::size_t kUniformSamples = 64;
+
+void resizeStep(SurfaceStep &step, std::size_t count) {
+    if (step.normals.size() == count) return;
+    step.positions.resize(count + 1);
+    step.normals.resize(count);
+    step.tangents.resize(count);
+}
+
+SymmetricTensor operator*(const SymmetricTensor &t, float s) {
+    return {t.diagonal * s, t.offDiagonal * s};
+}
+SymmetricTensor operator+(const SymmetricTensor &a, const SymmetricTensor &b) {
+    return {a.diagonal + b.diagonal, a.offDiagonal + b.offDiagonal};
+}
+
+/// F n0 as M takes it: one over its length along the normal, and its tangential part over that length. No lean where space has
+/// collapsed onto the surface.
+struct Lean {
+    float inverseLambda = 1;
+    Vec3 tangential{0};
+};
+Lean leanOf(const Vec3 &normalImage, const Vec3 &n) {
+    const float along = glm::dot(normalImage, n);
+    const float lambda = std::fabs(along);
+    if (!(lambda > 1e-6F * glm::length(normalImage))) return {};
+    return {1 / lambda, (normalImage - n * along) / along};
+}
+
+struct VertexGradient {
+    Vec3 ds, dt, n;
+};
+VertexGradient gradientAt(const RenderObject &object, std::size_t vertex) {
+    const Index s = object.surface.vertexSurface[vertex];
+    const Vec4 &k = object.surface.frameCoefficients[vertex];
+    const SurfaceGradient &g = object.gradient;
+    return {g.f1[s] * k.x + g.f2[s] * k.y, g.f1[s] * k.z + g.f2[s] * k.w, g.normal[s]};
+}
+
+/// From the gradient at the surface vertices to what hits read.
+void fillStep(RenderObject &object, SurfaceStep &out) {
+    const MeshPlan &plan = object.plan;
+    const Surface &surface = object.surface;
+    const std::size_t count = surface.vertexCount();
+    resizeStep(out, count);
+    const bool follows = object.object->follow && plan.stretch != StretchModel::Constant;
+    const bool perVertex = follows && plan.stretch != StretchModel::Uniform && plan.estimator != GradientEstimator::Face;
+    const bool vectors = perVertex && plan.interpolation == GradientInterpolation::DsDt;
+    const bool tensors = perVertex && !object.stretchOnFaces() && !vectors;
+    const bool leans = perVertex && plan.stretch == StretchModel::Leaning && !object.gradient.normalImage.empty();
+    if (tensors && out.stretch.size() != count) out.stretch.resize(count);
+    if (leans && out.lean.size() != count) out.lean.resize(count);
+    if (vectors && out.ds.size() != count) {
+        out.ds.resize(count);
+        out.dt.resize(count);
+    }
+    parallelFor(count, kGrain, [&](std::size_t v) {
+        const VertexGradient g = gradientAt(object, v);
+        out.positions[v] = object.gradient.position[surface.vertexSurface[v]];
+        out.normals[v] = g.n;
+        const PolarGradient polar = polarGradient(g.ds, g.dt, g.n);
+        out.tangents[v] = polar.tangent;
+        // As other renderers do: the tangent is the normalised image of t0, whatever the shear.
+        if (!object.object->follow) {
+            const float length = glm::length(g.ds);
+            if (length > 0) out.tangents[v] = Vec4(g.ds / length, polar.tangent.w);
+        }
+        float scale = 1;
+        if (leans) {
+            const Lean lean = leanOf(object.gradient.normalImage[surface.vertexSurface[v]], g.n);
+            scale = lean.inverseLambda;
+            out.lean[v] = lean.tangential;
+        }
+        if (vectors) {
+            out.ds[v] = g.ds * scale;
+            out.dt[v] = g.dt * scale;
+        } else if (tensors) {
+            const Frame frame = smoothFrameFromNormal(g.n);
+            out.stretch[v] = encodeStretch(plan.interpolation, polar.stretch * scale, frame.s, frame.t, g.n);
+        }
+    });
+    if (!follows) return;
+    if (plan.estimator == GradientEstimator::Face) {
+        faceStretches(surface, object.metrics, out.positions, out.stretch);
+    } else if (plan.stretch == StretchModel::Uniform) {
+        const std::size_t stride = std::max<std::size_t>(1, count / kUniformSamples);
+        SymmetricTensor sum{Vec3(0), Vec3(0)};
+        std::size_t samples = 0;
+        for (std::size_t v = 0; v < count; v += stride, ++samples) {
+            const VertexGradient g = gradientAt(object, v);
+            sum = sum + polarGradient(g.ds, g.dt, g.n).stretch;
+        }
+        out.stretch.resize(1);
+        out.stretch[0] = sum * (1 / static_cast<float>(samples));
+    } else if (perVertex && object.stretchOnFaces()) {
+        if (out.stretch.size() != surface.triangles.size()) out.stretch.resize(surface.triangles.size());
+        parallelFor(out.stretch.size(), kGrain, [&](std::size_t i) {
+            SymmetricTensor sum{Vec3(0), Vec3(0)};
+            for (int k = 0; k < 3; ++k) {
+                const VertexGradient g = gradientAt(object, surface.triangles[i][k]);
+                sum = sum + polarGradient(g.ds, g.dt, g.n).stretch;
+            }
+            out.stretch[i] = sum * (1.0F / 3);
+        });
+    }
+}
+
+/// A rigid object's carrier is a rotation, or a reflection, after the constant placement that rest space has behind it.
+bool moveRigid(RenderObject &object, std::size_t step, double frame, double fps, const DMat4 &renderFromWorld) {
+    motionAtFrame(*object.object, frame, fps, renderFromWorld, object.motion);
+    const MotionState &state = object.motion.state;
+    object.mirrored = state.mirrored;
+    if (object.placed[step] == state.carrier) return false;
+    object.placed[step] = state.carrier;
+    const Surface &surface = object.surface;
+    SurfaceStep &out = object.steps[step];
+    resizeStep(out, surface.vertexCount());
+    const Affine &m = state.carrier;
+    const Mat3 rotation = Mat3(m[0], m[1], m[2]) * glm::inverse(surface.restFromObject);
+    const float hand = state.mirrored ? -1.0F : 1.0F;
+    const std::vector<Vec3> &points = object.mesh().positions;
+    parallelFor(surface.vertexCount(), kGrain, [&](std::size_t v) {
+        const Index s = surface.vertexSurface[v];
+        const Vec4 &t = object.restTangents[v];
+        out.positions[v] = transformPoint(m, points[surface.surfacePosition[s]]);
+        out.normals[v] = glm::normalize(rotation * surface.normals[s]);
+        out.tangents[v] = Vec4(glm::normalize(rotation * Vec3(t)), t.w * hand);
+    });
+    return true;
+}
+
+} // namespace
+
+void prepareRenderObject(const Object &object, const RenderSettings &render, const MeshPlan &plan, std::size_t steps, RenderObject &out) {
+    out.plan = plan;
+    out.rigid = isRigid(object);
+    out.steps.resize(steps);
+    prepareObjectSurface(object, render.fps, plan.estimator, out);
+    const Surface &surface = out.surface;
+    if (plan.estimator == GradientEstimator::Face && !out.rigid) {
+        std::vector<Vec3> rest(surface.vertexCount());
+        for (std::size_t v = 0; v < rest.size(); ++v)
+            rest[v] = surface.restFromObject * out.mesh().positions[surface.surfacePosition[surface.vertexSurface[v]]];
+        out.metrics = restMetrics(surface, rest);
+    }
+    if (!out.rigid) return;
+    out.placed.assign(steps, Affine(0));
+    out.restTangents.resize(surface.vertexCount());
+    for (std::size_t v = 0; v < out.restTangents.size(); ++v) {
+        const Index s = surface.vertexSurface[v];
+        const Vec4 &k = surface.frameCoefficients[v];
+        out.restTangents[v] = Vec4(surface.e1[s] * k.x + surface.e2[s] * k.y, k.x * k.w - k.y * k.z < 0 ? -1.0F : 1.0F);
+    }
+}
+
+bool moveObject(RenderObject &object, std::size_t step, double frame, double fps, const DMat4 &renderFromWorld, double &deformationSeconds,
+                double &gradientSeconds) {
+    Stopwatch watch;
+    if (object.rigid) {
+        const bool moved = moveRigid(object, step, frame, fps, renderFromWorld);
+        deformationSeconds += watch.lap();
+        return moved;
+    }
+    deformAtFrame(object, frame, fps, renderFromWorld, deformationSeconds, gradientSeconds);
+    watch.lap();
+    fillStep(object, object.steps[step]);
+    gradientSeconds += watch.lap();
+    return true;
+}
+
+} // namespace taut

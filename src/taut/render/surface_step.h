@@ -1,0 +1,47 @@
+#pragma once
+/// What a hit reads of a deforming surface, at one time within the shutter: filled from the gradient as the plan wants it.
+
+#include "taut/plan/plan.h"
+#include "taut/render/bvh_policy.h"
+
+namespace taut {
+
+/// Everything is in render space. Arrays that a plan has no use for are empty.
+struct SurfaceStep {
+    std::vector<Vec3> positions;          ///< [vertices + 1]: Embree reads 16 bytes at the last
+    std::vector<Vec3> normals;            ///< [vertices] unit; outward
+    std::vector<Vec4> tangents;           ///< [vertices] rotated tangent and sense, polarGradient()
+    std::vector<SymmetricTensor> stretch; ///< [vertices] V over lambda in the form of the interpolation scheme; [triangles] V
+                                          ///< where it is constant on faces; one element: the whole mesh's; empty: the identity
+    std::vector<Vec3> lean;               ///< [vertices] tangential part of F n0, over lambda
+    std::vector<Vec3> ds, dt;             ///< [vertices] with the scheme DsDt
+};
+
+/// One object of the scene with its buffers.
+struct RenderObject : ObjectSurface {
+    MeshPlan plan;
+    std::vector<SurfaceStep> steps; ///< equally spaced over the shutter; one without motion blur
+    bool rigid = false;
+    Index geometry = kNone;
+    BvhPolicy bvh;
+
+    // Rigid objects: what is moved, and where each step was last brought to.
+    std::vector<Vec4> restTangents; ///< [vertices] rest space, with their sense
+    std::vector<Affine> placed;     ///< [steps]
+
+    std::vector<Vec3> metrics; ///< [triangles] of the estimator Face, restMetrics()
+
+    /// Whether `stretch` holds one tensor a triangle.
+    [[nodiscard]] bool stretchOnFaces() const {
+        return plan.estimator == GradientEstimator::Face || plan.interpolation == GradientInterpolation::Face;
+    }
+};
+
+/// Builds the object's surface and what the plan needs beside it.
+void prepareRenderObject(const Object &object, const RenderSettings &render, const MeshPlan &plan, std::size_t steps, RenderObject &out);
+
+/// Brings a step to a frame. False where a rigid object has not moved since. Adds to the seconds of positions and gradients.
+bool moveObject(RenderObject &object, std::size_t step, double frame, double fps, const DMat4 &renderFromWorld, double &deformationSeconds,
+                double &gradientSeconds);
+
+} // namespace taut
