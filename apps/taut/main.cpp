@@ -40,10 +40,11 @@ int main(int argc, char **argv) {
     taut::app::Run run;
     taut::app::addRender(app, run);
     taut::app::addInfo(app, run);
+    taut::app::addExport(app, run);
     try {
         checkSubcommand(app, argc, argv);
         app.parse(argc, argv);
-        if (!run) return fail(kBadInput, "found no subcommand, expected render or info (see taut --help)");
+        if (!run) return fail(kBadInput, "found no subcommand, expected render, info or export (see taut --help)");
         return run();
     } catch (const CLI::ParseError &error) {
         if (error.get_exit_code() == 0) return app.exit(error); // --help, --version

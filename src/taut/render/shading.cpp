@@ -1,66 +1,10 @@
 #include "taut/render/shading.h"
 
+#include "taut/scene/material_gloss.h"
+
 namespace taut {
 
 namespace {
-
-constexpr float kLeastAlpha = 1e-4F;
-constexpr float kMostAlpha = 10.0F;
-
-float evaluate(const FloatParam &param, const Scene &scene, const Vec2 &uv) {
-    return param.texture == kNone ? param.value : param.value * lookup(scene.textures[param.texture], uv)[param.channel];
-}
-Vec3 evaluate(const ColorParam &param, const Scene &scene, const Vec2 &uv) {
-    return param.texture == kNone ? param.value : param.value * Vec3(lookup(scene.textures[param.texture], uv));
-}
-
-/// Rest roughness and rotation of a material at uv.
-struct RestRoughness {
-    float alphaX, alphaY, rotation;
-};
-
-RestRoughness restRoughness(const Material &material, const Scene &scene, const Vec2 &uv) {
-    RestRoughness r{evaluate(material.alphaX, scene, uv), evaluate(material.alphaY, scene, uv), evaluate(material.rotation, scene, uv)};
-    if (material.alphaIsRoughness) {
-        r.alphaX *= r.alphaX;
-        r.alphaY *= r.alphaY;
-    }
-    float strength = material.anisotropyStrength;
-    if (material.anisotropyTexture != kNone) {
-        const Vec4 texel = lookup(scene.textures[material.anisotropyTexture], uv);
-        r.rotation += std::atan2(2 * texel.y - 1, 2 * texel.x - 1);
-        strength *= texel.z;
-    }
-    // KHR_materials_anisotropy: rougher along the direction.
-    if (strength != 0) r.alphaX = glm::mix(r.alphaX, 1.0F, strength * strength);
-    r.alphaX = glm::clamp(r.alphaX, kLeastAlpha, kMostAlpha);
-    r.alphaY = glm::clamp(r.alphaY, kLeastAlpha, kMostAlpha);
-    return r;
-}
-
-/// M = A M0 / lambda in the shading frame. With A = V R, R taking t0 to `tangent` and b0 to its `sense` side, and because a mirror
-/// image of the standard microsurface is itself, M = V Rotation(tangent) Rotation(sense * rotation) diag(1/alphaX, 1/alphaY).
-/// A leaning mesh brings its own lambda along, already in `stretch` and `lean`.
-MicroTransform transformAt(const Material &material, const Scene &scene, const SurfacePoint &point, float sense) {
-    const RestRoughness rest = restRoughness(material, scene, point.uv);
-    const Vec3 &stretch = point.stretch;
-    const Vec2 &lean = point.lean;
-    const Vec2 &tangent = point.tangent;
-    const float area = std::fabs(stretch.x * stretch.z - stretch.y * stretch.y);
-    const bool thins = material.poisson != 0 && !point.object->object->lean;
-    const float inverseLambda = thins ? 1 / normalStretch(std::fmax(area, 1e-12F), material.poisson) : 1.0F;
-    const Vec3 v = stretch * inverseLambda;
-    if (rest.alphaX == rest.alphaY)
-        return microTransform(v.x / rest.alphaX, v.y / rest.alphaX, v.y / rest.alphaX, v.z / rest.alphaX, lean.x, lean.y);
-    Vec2 axis = tangent;
-    if (rest.rotation != 0) {
-        const float c = std::cos(rest.rotation);
-        const float s = std::sin(rest.rotation) * sense;
-        axis = {tangent.x * c - tangent.y * s, tangent.x * s + tangent.y * c};
-    }
-    return microTransform((v.x * axis.x + v.y * axis.y) / rest.alphaX, (v.y * axis.x - v.x * axis.y) / rest.alphaY,
-                          (v.y * axis.x + v.z * axis.y) / rest.alphaX, (v.z * axis.x - v.y * axis.y) / rest.alphaY, lean.x, lean.y);
-}
 
 Multiscatter multiscatterAt(const PreparedMaterial &prepared, const Bsdf &bsdf) {
     if (prepared.material->multiscatter != Multiscatter::Auto) return prepared.material->multiscatter;
@@ -105,7 +49,8 @@ Bsdf makeBsdf(const PreparedMaterial &prepared, const Scene &scene, const Surfac
     }
     }
     bsdf.diffuseEscape = prepared.coatEscape;
-    bsdf.micro = transformAt(material, scene, point, sense);
+    const bool leans = point.object->object->lean;
+    bsdf.micro = transformAt(material, scene, uv, point.stretch, point.tangent, sense, leans ? &point.lean : nullptr);
     if (material.type == MaterialType::Conductor || material.type == MaterialType::Dielectric)
         bsdf.multiscatter = multiscatterAt(prepared, bsdf);
     return bsdf;

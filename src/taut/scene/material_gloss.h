@@ -1,0 +1,69 @@
+#pragma once
+/// A material's parameters at a point, and its M there. In the header: it is what shading does at every hit.
+
+#include "taut/microsurface/transform.h"
+#include "taut/scene/scene.h"
+
+namespace taut {
+
+/// Range of a rest alpha, whatever a texture says.
+inline constexpr float kLeastAlpha = 1e-4F;
+inline constexpr float kMostAlpha = 10.0F;
+
+inline float evaluate(const FloatParam &param, const Scene &scene, const Vec2 &uv) {
+    return param.texture == kNone ? param.value : param.value * lookup(scene.textures[param.texture], uv)[param.channel];
+}
+inline Vec3 evaluate(const ColorParam &param, const Scene &scene, const Vec2 &uv) {
+    return param.texture == kNone ? param.value : param.value * Vec3(lookup(scene.textures[param.texture], uv));
+}
+
+/// Rest roughness and rotation of a material at uv.
+struct RestRoughness {
+    float alphaX, alphaY, rotation;
+};
+
+inline RestRoughness restRoughness(const Material &material, const Scene &scene, const Vec2 &uv) {
+    RestRoughness r{evaluate(material.alphaX, scene, uv), evaluate(material.alphaY, scene, uv), evaluate(material.rotation, scene, uv)};
+    if (material.alphaIsRoughness) {
+        r.alphaX *= r.alphaX;
+        r.alphaY *= r.alphaY;
+    }
+    float strength = material.anisotropyStrength;
+    if (material.anisotropyTexture != kNone) {
+        const Vec4 texel = lookup(scene.textures[material.anisotropyTexture], uv);
+        r.rotation += std::atan2(2 * texel.y - 1, 2 * texel.x - 1);
+        strength *= texel.z;
+    }
+    // KHR_materials_anisotropy: rougher along the direction.
+    if (strength != 0) r.alphaX = glm::mix(r.alphaX, 1.0F, strength * strength);
+    r.alphaX = glm::clamp(r.alphaX, kLeastAlpha, kMostAlpha);
+    r.alphaY = glm::clamp(r.alphaY, kLeastAlpha, kMostAlpha);
+    return r;
+}
+
+/// M = A M0 / lambda in an orthonormal frame (s, t, n). `stretch` is V there (ss, st, tt), `tangent` the rotated rest tangent R t0
+/// there (unit), `sense` +1 where the rest frame's b0 lies at cross(n, t0), -1 where the UV map is mirrored. With A = V R, R taking t0 to
+/// `tangent` and b0 to its `sense` side, and because a mirror image of the standard microsurface is itself, M = V Rotation(tangent)
+/// Rotation(sense * rotation) diag(1/alphaX, 1/alphaY). A mesh whose deformers move space (`lean` not null) brings its own lambda
+/// along, already in `stretch` and `lean`; Poisson's ratio then has no say.
+inline MicroTransform transformAt(const Material &material, const Scene &scene, const Vec2 &uv, const Vec3 &stretch, const Vec2 &tangent,
+                                  float sense, const Vec2 *lean = nullptr) {
+    const RestRoughness rest = restRoughness(material, scene, uv);
+    const float area = std::fabs(stretch.x * stretch.z - stretch.y * stretch.y);
+    const float inverseLambda =
+        material.poisson == 0 || lean != nullptr ? 1.0F : 1 / normalStretch(std::fmax(area, 1e-12F), material.poisson);
+    const Vec3 v = stretch * inverseLambda;
+    const Vec2 column = lean != nullptr ? *lean : Vec2(0);
+    if (rest.alphaX == rest.alphaY)
+        return microTransform(v.x / rest.alphaX, v.y / rest.alphaX, v.y / rest.alphaX, v.z / rest.alphaX, column.x, column.y);
+    Vec2 axis = tangent;
+    if (rest.rotation != 0) {
+        const float c = std::cos(rest.rotation);
+        const float s = std::sin(rest.rotation) * sense;
+        axis = {tangent.x * c - tangent.y * s, tangent.x * s + tangent.y * c};
+    }
+    return microTransform((v.x * axis.x + v.y * axis.y) / rest.alphaX, (v.y * axis.x - v.x * axis.y) / rest.alphaY,
+                          (v.y * axis.x + v.z * axis.y) / rest.alphaX, (v.z * axis.x - v.y * axis.y) / rest.alphaY, column.x, column.y);
+}
+
+} // namespace taut
