@@ -146,14 +146,18 @@ DeformedPoint wave(const Deformer &deformer, const DVec3 &position) {
 
 Deformer deformerAtFrame(const DeformerKeys &keys, double frame) {
     Deformer deformer;
+    setDeformer(keys, frame, deformer);
+    return deformer;
+}
+
+void setDeformer(const DeformerKeys &keys, double frame, Deformer &deformer) {
     deformer.keys = keys;
     deformer.factor = keys.factor.at(frame);
     deformer.amount = keys.amount.at(frame);
     deformer.amplitude = keys.amplitude.at(frame);
     deformer.wavelength = keys.wavelength.at(frame);
     deformer.phase = keys.phase.at(frame);
-    if (keys.type == DeformerType::Lattice) deformer.latticeControl = latticeControlAtFrame(keys, frame);
-    return deformer;
+    if (keys.type == DeformerType::Lattice) latticeControlAtFrame(keys, frame, deformer.latticeControl);
 }
 
 DeformedPoint deform(const Deformer &deformer, const DVec3 &position) {

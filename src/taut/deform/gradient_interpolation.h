@@ -29,14 +29,20 @@ inline SymmetricTensor choleskyOf(const SymmetricTensor &v) {
     const Vec3 z = v.times({0, 0, 1});
     SymmetricTensor l;
     l.diagonal.x = glm::length(x);
-    const auto over = [](float a, float b) { return b > 0 ? a / b : 0.0F; };
-    const Vec3 e0 = l.diagonal.x > 0 ? x / l.diagonal.x : Vec3(0); // Gram-Schmidt on the rows of V: S = (Q L^T)^T (Q L^T)
+    const Vec3 e0 = l.diagonal.x > 0 ? x / l.diagonal.x : Vec3(0); // Gram-Schmidt on the rows of V
     l.offDiagonal.x = glm::dot(e0, y);
     l.offDiagonal.y = glm::dot(e0, z);
-    const Vec3 y1 = y - e0 * l.offDiagonal.x;
+    // What rounding leaves of a row that depends on the first has no direction of its own.
+    const auto rest = [&](const Vec3 &row, float along) {
+        const Vec3 r = row - e0 * along;
+        return glm::dot(r, r) > 1e-12F * glm::dot(row, row) ? r : Vec3(0);
+    };
+    const Vec3 y1 = rest(y, l.offDiagonal.x);
+    const Vec3 z1 = rest(z, l.offDiagonal.y);
     l.diagonal.y = glm::length(y1);
-    l.offDiagonal.z = over(glm::dot(y1, z), l.diagonal.y);
-    l.diagonal.z = glm::length(z - e0 * l.offDiagonal.y - (l.diagonal.y > 0 ? y1 / l.diagonal.y : Vec3(0)) * l.offDiagonal.z);
+    const Vec3 e1 = l.diagonal.y > 0 ? y1 / l.diagonal.y : Vec3(0);
+    l.offDiagonal.z = glm::dot(e1, z1);
+    l.diagonal.z = glm::length(z1 - e1 * l.offDiagonal.z);
     return l;
 }
 

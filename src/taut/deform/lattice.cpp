@@ -76,15 +76,14 @@ BernsteinBasis bernsteinBasis(int points, double u) {
     return basis;
 }
 
-std::vector<DVec3> latticeControlAtFrame(const DeformerKeys &keys, double frame) {
-    std::vector<DVec3> control;
-    if (!isWellFormed(keys)) return control;
+void latticeControlAtFrame(const DeformerKeys &keys, double frame, std::vector<DVec3> &control) {
+    control.clear();
+    if (!isWellFormed(keys)) return;
     const auto [nx, ny, nz] = keys.latticePoints;
     control.resize(static_cast<std::size_t>(nx) * static_cast<std::size_t>(ny) * static_cast<std::size_t>(nz));
     forEachGridPoint(keys, [&](std::size_t index, const DVec3 &point) {
         control[index] = index < keys.latticeOffsets.size() ? point + keys.latticeOffsets[index].at(frame) : point;
     });
-    return control;
 }
 
 DeformedPoint deformByLattice(const Deformer &deformer, const DVec3 &position) {

@@ -13,7 +13,7 @@ inline constexpr int kMaxLatticePoints = 16;
 
 /// The displaced control points at a frame, x fastest; object space. Empty where the lattice is malformed (point counts
 /// outside [2, kMaxLatticePoints], a box without volume): such a lattice is the identity.
-std::vector<DVec3> latticeControlAtFrame(const DeformerKeys &keys, double frame);
+void latticeControlAtFrame(const DeformerKeys &keys, double frame, std::vector<DVec3> &control);
 
 /// Image and Jacobian of a point of object space.
 DeformedPoint deformByLattice(const Deformer &deformer, const DVec3 &position);

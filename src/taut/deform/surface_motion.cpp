@@ -5,6 +5,7 @@
 #include "taut/base/parallel.h"
 
 #include <atomic>
+#include <cstring>
 
 namespace taut {
 
@@ -61,23 +62,38 @@ void differentiate(const Surface &surface, std::size_t s, std::span<const Vec3> 
     }
 }
 
+/// Four floats in a register.
+using Lanes = float __attribute__((vector_size(16)));
+
+Lanes load(const Vec4 &v) {
+    Lanes lanes;
+    std::memcpy(&lanes, &v, sizeof lanes);
+    return lanes;
+}
+Vec3 toVec3(const Lanes &lanes) {
+    return {lanes[0], lanes[1], lanes[2]};
+}
+
 /// The same with the position, on a limit surface. False where the vertex has no derivatives (RestAtLoneVertex).
-bool differentiateLimit(const Surface &surface, std::size_t s, std::span<const Vec3> points, Vec3 &position, Vec3 &f1, Vec3 &f2) {
-    Vec3 x(0);
-    f1 = Vec3(0);
-    f2 = Vec3(0);
-    Vec2 size(0);
+bool differentiateLimit(const Surface &surface, std::size_t s, const std::vector<Vec4> &points, Vec3 &position, Vec3 &f1, Vec3 &f2) {
     const Index begin = surface.stencilOffsets[s];
-    const Vec3 origin = points[surface.stencilPositions[begin]];
-    for (Index k = begin; k < surface.stencilOffsets[s + 1]; ++k) {
-        const Vec3 p = points[surface.stencilPositions[k]] - origin;
+    const Index end = surface.stencilOffsets[s + 1];
+    const Lanes origin = load(points[surface.stencilPositions[begin]]);
+    Lanes x{};
+    Lanes d1{};
+    Lanes d2{};
+    Vec2 size(0);
+    for (Index k = begin; k < end; ++k) {
+        const Lanes p = load(points[surface.stencilPositions[k]]) - origin;
         const Vec2 w = surface.stencilWeights[k];
         x += p * surface.stencilPoints[k];
-        f1 += p * w.x;
-        f2 += p * w.y;
+        d1 += p * w.x;
+        d2 += p * w.y;
         size += w * w;
     }
-    position = origin + x;
+    position = toVec3(origin + x);
+    f1 = toVec3(d1);
+    f2 = toVec3(d2);
     return size.x > 0 && size.y > 0;
 }
 
@@ -210,10 +226,14 @@ void fitGradient(const Surface &surface, std::span<const Vec3> renderPoints, boo
     resizeAll(out, count);
     std::atomic<bool> finite{true};
     const bool onLimit = surface.onLimit();
+    if (onLimit) {
+        if (out.points.size() != renderPoints.size()) out.points.resize(renderPoints.size());
+        parallelFor(renderPoints.size(), kGrain, [&](std::size_t i) { out.points[i] = Vec4(renderPoints[i], 0); });
+    }
     parallelFor(count, kGrain, [&](std::size_t s) {
         bool known = surface.stencilOffsets[s] != surface.stencilOffsets[s + 1];
         if (onLimit) {
-            known = differentiateLimit(surface, s, renderPoints, out.position[s], out.f1[s], out.f2[s]);
+            known = differentiateLimit(surface, s, out.points, out.position[s], out.f1[s], out.f2[s]);
         } else {
             out.position[s] = renderPoints[surface.surfacePosition[s]];
             if (known) differentiate(surface, s, renderPoints, out.f1[s], out.f2[s]);

@@ -50,6 +50,7 @@ enum class GradientEstimator {
 /// Gradient of every surface vertex in render space: x, and f1 = dx/de1, f2 = dx/de2 in the tangent plane of the unit normal.
 struct SurfaceGradient {
     std::vector<Vec3> position, f1, f2, normal;
+    std::vector<Vec4> points; ///< scratch: control points, padded for four lanes
     bool wantNormalImage = false;
     std::vector<Vec3> normalImage; ///< where wanted: F n0, the image of the rest normal under the deformers and what carries them,
                                    ///< the third column of F; by the Analytic estimator only, else empty

@@ -76,9 +76,9 @@ struct AlphaRange {
 Question stretchQuestion(const Object &object, const GradientField &field, const AlphaRange &alpha, bool microsurface) {
     Question q{"stretch", "ns a hit", {}, 0};
     const bool inert = !microsurface || !object.follow || isRigid(object);
-    q.choices.push_back({"constant", inert ? 0.0F : kPeakFactor * field.logStretch, 0});
-    if (inert) return q;
     const float leanError = object.lean ? 4 * field.lean * std::fmin(alpha.greatest, 1.0F) + kPeakFactor * field.logNormalStretch : 0.0F;
+    q.choices.push_back({"constant", inert ? 0.0F : kPeakFactor * field.logStretch + leanError, 0});
+    if (inert) return q;
     q.choices.push_back({"uniform", kPeakFactor * field.fromMean + leanError, kUniformCost});
     q.choices.push_back({"per vertex, 3 numbers", leanError, kVertexCost});
     if (object.lean) q.choices.push_back({"leaning, 5 numbers", 0, kLeanCost});

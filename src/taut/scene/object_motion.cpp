@@ -142,13 +142,16 @@ void motionAtFrame(const Object &object, double frame, double fps, const DMat4 &
     state.control = object.mesh->positions;
     state.controlMoved = false;
     state.joints.clear();
-    state.deformers.clear();
     DMat4 sceneFromObject(1);
     const DMat4 renderFromScene = renderFromWorld * placementAt(object.placement, frame);
+    std::size_t active = 0;
     for (const DeformerKeys &keys : object.deformers) {
-        Deformer deformer = deformerAtFrame(keys, frame);
-        if (!isIdentity(deformer)) state.deformers.push_back(std::move(deformer));
+        setDeformer(keys, frame, motion.deformer);
+        if (isIdentity(motion.deformer)) continue;
+        if (active == state.deformers.size()) state.deformers.emplace_back();
+        state.deformers[active++] = motion.deformer; // assigned in place: no allocation after the first frame
     }
+    state.deformers.resize(active);
     state.renderFromDeformed = renderFromScene;
     // Without deformers every matrix is taken to render space in double before it is rounded.
     const DMat4 target = state.deformers.empty() ? renderFromScene : DMat4(1);
