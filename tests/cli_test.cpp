@@ -66,7 +66,7 @@ TEST_CASE("cli: bad usage is exit code 2 and one line on standard error", "[cli]
         {{"info", place.path("absent.glb")}, "absent.glb"},
         {{"render", place.folder}, place.folder},
         {{"info", scene, "--spp", "4"}, "--spp"},
-        {{"render", scene, "--two\nlines"}, "--two lines"},
+        {{"render", scene, "--two\nlines"}, "'--two\\x0alines', expected one of --help"},
     };
     for (const auto &[arguments, part] : cases) {
         INFO("taut " << (arguments.empty() ? "" : arguments.front()) << " ... " << (arguments.empty() ? "" : arguments.back()));

@@ -216,6 +216,11 @@ TEST_CASE("BSDF samplers follow their densities", "[microsurface][chi2]") {
     coated.micro = microTransform(3, 1, 0, 2);
     coated.diffuseEscape = coatEscape(1.5F);
     bsdfs.emplace_back("coated", coated);
+    coated.micro = microTransform(1, 2, 0, 1); // rough enough for the rejection-free sampler, with what is left of `lobe` as its coin
+    bsdfs.emplace_back("coated, rough and skewed", coated);
+    Bsdf compensated = conductor(microTransform(1, 2, 0, 1));
+    compensated.multiscatter = Multiscatter::Compensation;
+    bsdfs.emplace_back("compensated", compensated);
     Bsdf diffuse;
     diffuse.albedo = Vec3(0.5F);
     bsdfs.emplace_back("diffuse", diffuse);
@@ -229,6 +234,40 @@ TEST_CASE("BSDF samplers follow their densities", "[microsurface][chi2]") {
         }
     // The harness notices an azimuth that is wrong by two per cent.
     CHECK(chiSquaredOf(bsdfs[0].second, direction(30, 25), 99, 1000000, 1.02F) < 1e-6);
+}
+
+TEST_CASE("Unit circle: the polynomials are cosine and sine", "[microsurface]") {
+    double worst = 0;
+    for (int i = -1000; i <= 8000; ++i) {
+        const float turns = static_cast<float>(i) / 8000;
+        const Vec2 p = unitCircle(turns);
+        const double angle = 2 * 3.14159265358979323846 * static_cast<double>(turns);
+        worst =
+            std::max({worst, std::fabs(static_cast<double>(p.x) - std::cos(angle)), std::fabs(static_cast<double>(p.y) - std::sin(angle))});
+    }
+    CHECK(worst < 1.5e-7);
+    CHECK(unitCircle(0.25F) == Vec2(0, 1));
+    CHECK(unitCircle(1) == Vec2(1, 0));
+    CHECK(isFinite(Vec3(unitCircle(kOneMinusEpsilon), 0)));
+}
+
+TEST_CASE("A BSDF rejects no reflection where caps reject many", "[bsdf]") {
+    const auto rejected = [](const MicroTransform &m, double theta) {
+        const Bsdf bsdf = conductor(m);
+        const ScatteringPoint point(bsdf, direction(theta, 25));
+        int count = 0;
+        for (std::uint32_t i = 0; i < 4096; ++i) count += point.sample(sobol2(i, 1), sobol1(i, 2)) ? 0 : 1;
+        return count / 4096.0;
+    };
+    for (const double theta : {0.0, 60.0, 85.0}) {
+        CHECK(rejected(microTransform(1, 2, 0, 1), theta) == 0);
+        CHECK(rejected(microTransformFromAlpha(2, 2), theta) == 0);
+        // Caps are kept where they lose little.
+        CHECK(rejected(microTransformFromAlpha(0.3F, 0.3F), theta) < 0.1);
+    }
+    CHECK(ReflectionSampler::capsWaste(microTransform(1, 2, 0, 1), 0.585F));
+    CHECK(!ReflectionSampler::capsWaste(microTransform(1, 2, 0, 1), 0.587F)); // 58.6 %, closed form
+    CHECK(!ReflectionSampler::capsWaste(microTransformFromAlpha(1, 1), 1e-3F));
 }
 
 TEST_CASE("Reciprocity and weights", "[microsurface]") {

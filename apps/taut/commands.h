@@ -13,6 +13,7 @@ using Run = std::function<int()>;
 void addRender(CLI::App &parent, Run &run);
 void addInfo(CLI::App &parent, Run &run);
 void addExport(CLI::App &parent, Run &run);
+void addProbe(CLI::App &parent, Run &run);
 
 /// Prints each warning as one line on standard error.
 void printWarnings(const Warnings &warnings);

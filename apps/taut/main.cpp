@@ -18,13 +18,36 @@ int fail(int code, const char *what) {
     return code;
 }
 
+std::vector<CLI::App *> commandsOf(CLI::App &app) {
+    return app.get_subcommands([](const CLI::App *) { return true; });
+}
+
 /// An unknown subcommand is answered with the nearest one, as unknown keys are.
-void checkSubcommand(const CLI::App &app, int argc, char **argv) {
-    if (argc < 2 || argv[1][0] == '-') return;
+void checkSubcommand(CLI::App &app, int argc, char **argv) {
+    const std::vector<CLI::App *> commands = commandsOf(app);
+    if (commands.empty()) return;
     std::vector<std::string> names;
-    for (const CLI::App *command : app.get_subcommands([](const CLI::App *) { return true; })) names.push_back(command->get_name());
-    if (std::find(names.begin(), names.end(), argv[1]) == names.end())
-        taut::failUnknownName({"subcommand"}, argv[1], std::vector<std::string_view>(names.begin(), names.end()));
+    for (const CLI::App *command : commands) names.push_back(command->get_name());
+    if (argc < 2) {
+        std::string list;
+        for (const std::string &name : names) list += (list.empty() ? "" : name == names.back() ? " or " : ", ") + name;
+        throw taut::InputError("found no subcommand, expected " + list + " (see taut --help)");
+    }
+    if (argv[1][0] == '-') return;
+    const auto found = std::find(names.begin(), names.end(), argv[1]);
+    if (found == names.end()) taut::failUnknownName({"subcommand"}, argv[1], std::vector<std::string_view>(names.begin(), names.end()));
+    checkSubcommand(*commands[static_cast<std::size_t>(found - names.begin())], argc - 1, argv + 1);
+}
+
+/// So is an unknown option.
+void checkExtras(const CLI::App &app) {
+    for (const CLI::App *command : app.get_subcommands()) checkExtras(*command);
+    std::vector<std::string> names;
+    for (const CLI::Option *option : app.get_options())
+        for (const std::string &name : option->get_lnames()) names.push_back("--" + name);
+    for (const std::string &extra : app.remaining())
+        if (extra.size() > 1 && extra[0] == '-')
+            taut::failUnknownName({"option"}, extra.substr(0, extra.find('=')), std::vector<std::string_view>(names.begin(), names.end()));
 }
 
 } // namespace
@@ -41,10 +64,16 @@ int main(int argc, char **argv) {
     taut::app::addRender(app, run);
     taut::app::addInfo(app, run);
     taut::app::addExport(app, run);
+    taut::app::addProbe(app, run);
     try {
         checkSubcommand(app, argc, argv);
-        app.parse(argc, argv);
-        if (!run) return fail(kBadInput, "found no subcommand, expected render, info or export (see taut --help)");
+        try {
+            app.parse(argc, argv);
+        } catch (const CLI::ExtrasError &) {
+            checkExtras(app);
+            throw;
+        }
+        if (!run) return fail(kBadInput, "found no subcommand (see taut --help)");
         return run();
     } catch (const CLI::ParseError &error) {
         if (error.get_exit_code() == 0) return app.exit(error); // --help, --version

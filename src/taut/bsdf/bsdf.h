@@ -11,7 +11,7 @@
 
 #include "taut/base/warp.h"
 #include "taut/bsdf/multiple_scattering.h"
-#include "taut/microsurface/ggx.h"
+#include "taut/microsurface/reflection_sampler.h"
 
 #include <optional>
 
@@ -29,7 +29,7 @@ class ScatteringPoint {
         if (bsdf.type == BsdfType::Diffuse) return;
         length_ = ggx::stretchedLength(bsdf.micro, wo);
         area_ = ggx::visibleArea(bsdf.micro, wo, length_);
-        bound_ = bsdf.type == BsdfType::Dielectric ? 1.0F : ggx::capBound(bsdf.micro, wo);
+        if (bsdf.type != BsdfType::Dielectric) reflections_.emplace(bsdf.micro, wo, kBearableWaste);
         if (bsdf.multiscatter != Multiscatter::Off) multiple_ = multiple::prepare(bsdf, wo);
         if (hasDiffuse()) {
             const float reflected = luminance(facetReflectance(bsdf, std::fabs(wo.z)));
@@ -66,22 +66,34 @@ class ScatteringPoint {
         if (bsdf_.type == BsdfType::Diffuse || (hasDiffuse() && lobe >= specularProbability_)) {
             return finish(squareToCosineHemisphere(u));
         }
-        const Vec3 wm = ggx::sampleVisibleNormal(bsdf_.micro, wo_, u, bound_);
+        if (bsdf_.type == BsdfType::Dielectric) return sampleInterface(u, lobe);
+        // What is left of the number that chose the lobe is uniform again.
+        const float coin =
+            multiple_.probability > 0 ? (lobe - multiple_.probability) / (1 - multiple_.probability) : lobe / specularProbability_;
+        const auto wi = reflections_->sample(u, coin);
+        return wi ? finish(*wi) : std::nullopt;
+    }
+
+  private:
+    /// Share of samples that may be lost to the horizon before the sampler that loses none is worth its preparation.
+    static constexpr float kBearableWaste = 0.1F;
+
+    [[nodiscard]] bool hasDiffuse() const {
+        return (bsdf_.type == BsdfType::Coated || bsdf_.type == BsdfType::MetallicRoughness) && bsdf_.albedo != Vec3(0);
+    }
+
+    /// Dielectric: a visible normal, then reflection or refraction by Fresnel's choice.
+    [[nodiscard]] std::optional<BsdfSample> sampleInterface(const Vec2 &u, float lobe) const {
+        const Vec3 wm = ggx::sampleVisibleNormal(bsdf_.micro, wo_, u);
         const float cosine = glm::dot(wo_, wm);
         if (!(cosine > 0)) return std::nullopt;
-        if (bsdf_.type == BsdfType::Dielectric && lobe >= fresnel::dielectric(cosine, bsdf_.eta)) {
+        if (lobe >= fresnel::dielectric(cosine, bsdf_.eta)) {
             Vec3 wi;
             if (!fresnel::refract(wo_, wm, cosine, bsdf_.eta, wi) || !(wi.z < 0)) return std::nullopt;
             return finish(wi);
         }
         const Vec3 wi = glm::normalize(2 * cosine * wm - wo_);
-        if (!(wi.z > 0)) return std::nullopt;
-        return finish(wi);
-    }
-
-  private:
-    [[nodiscard]] bool hasDiffuse() const {
-        return (bsdf_.type == BsdfType::Coated || bsdf_.type == BsdfType::MetallicRoughness) && bsdf_.albedo != Vec3(0);
+        return wi.z > 0 ? finish(wi) : std::nullopt;
     }
 
     [[nodiscard]] std::optional<BsdfSample> finish(const Vec3 &wi) const {
@@ -110,7 +122,7 @@ class ScatteringPoint {
         return {series * (kInvPi * wi.z * in * out / (bsdf_.eta * bsdf_.eta)), kInvPi * wi.z};
     }
 
-    /// Reflection lobe: F D visibility cos, and the density of bounded-cap sampling, D / (2 (k wo.z + L(wo))).
+    /// Reflection lobe: F D visibility cos, and the density of its sampling, which is D times a constant.
     [[nodiscard]] BsdfEval reflection(const Vec3 &wi) const {
         const Vec3 h = wo_ + wi;
         const float density = ggx::distribution(bsdf_.micro, h);
@@ -118,8 +130,7 @@ class ScatteringPoint {
         const float lengthI = ggx::stretchedLength(bsdf_.micro, wi);
         // For a back-facing wo the weight is F G1(wi), Tokuyoshi 2021.
         const float shape = wo_.z > 0 ? ggx::visibility(wo_.z, length_, wi.z, lengthI, bsdf_.correlated) : 1 / (area_ * (wi.z + lengthI));
-        const float base = bound_ < 1 ? bound_ * wo_.z + length_ : area_;
-        BsdfEval e{Vec3(density * shape * wi.z), density / (2 * base)};
+        BsdfEval e{Vec3(density * shape * wi.z), density * (reflections_ ? reflections_->pdfScale() : 0.5F / area_)};
         const Vec3 f = facetReflectance(bsdf_, cosine);
         e.fCos *= f;
         if (bsdf_.type == BsdfType::Dielectric) e.pdf *= f.x;
@@ -154,8 +165,8 @@ class ScatteringPoint {
     Vec3 wo_;
     float length_ = 1; ///< L(wo)
     float area_ = 1;   ///< wo.z + L(wo), stable
-    float bound_ = 1;  ///< k of the bounded cap
     float specularProbability_ = 1;
+    std::optional<ReflectionSampler> reflections_; ///< all but diffuse and dielectric
     MultipleScattering multiple_;
 };
 

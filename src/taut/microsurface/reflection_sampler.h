@@ -21,9 +21,19 @@ namespace taut {
 /// Elsewhere (a leaning M, wo below the horizon, values outside float's range) bounded or full spherical caps.
 class ReflectionSampler {
   public:
-    ReflectionSampler(const MicroTransform &m, const Vec3 &wo) : m_(m), wo_(wo) {
-        if (m.upright() && wo.z > kLeastCosine) prepareCone();
+    /// Bounded caps are prepared sooner than the cone, which pays off where they reject more than `bearableWaste` of the samples seen
+    /// from the normal (capWaste); 0: the cone wherever it can be had.
+    ReflectionSampler(const MicroTransform &m, const Vec3 &wo, float bearableWaste = 0) : m_(m), wo_(wo) {
+        if (m.upright() && wo.z > kLeastCosine && (bearableWaste <= 0 || capsWaste(m, bearableWaste))) prepareCone();
         if (!cone_) prepareCap();
+    }
+
+    /// Whether bounded caps reject more than `share` of the samples at wo = z. With a the smaller alpha or 1 they keep
+    /// (1 + a^2) / sqrt((1 + alphaX^2) (1 + alphaY^2)) of them, eq. (8) over what the bound leaves; at other wo about as much.
+    static bool capsWaste(const MicroTransform &m, float share) {
+        const SlopeTensor sigma = slopeTensor(m);
+        const float all = sqr(1 - share) * (1 + sigma.xx + sigma.yy + sigma.determinant);
+        return all > 1 && all > sqr(1 + std::fmin(sigma.smaller(), 1.0F));
     }
 
     /// wi with density pdf(wi), or nothing where the sampled normal reflects below the horizon. u and coin are uniform in [0, 1).
@@ -81,7 +91,7 @@ class ReflectionSampler {
         }
     };
 
-    void prepareCone() {
+    [[gnu::noinline]] void prepareCone() {
         const float inverseZ = 1 / wo_.z;
         const float skew = -m_.b * m_.inverseA * m_.inverseD; // M^-1 = [1/a skew; 0 1/d]
         const float nXY = skew * m_.inverseD;
@@ -129,9 +139,7 @@ class ReflectionSampler {
 
     /// A micro-normal (local space, not normalised) whose standard one, M^T wm, has the density o.m on the cone.
     [[nodiscard]] Vec3 coneNormal(const Vec2 &u, float coin) const {
-        const float r = std::sqrt(u.y);
-        const float phi = 2 * kPi * u.x;
-        const Vec2 p(r * std::cos(phi), r * std::sin(phi));
+        const Vec2 p = std::sqrt(u.y) * unitCircle(u.x);
         // M^-T (b, 0) with b the point of the ellipse, seen along z; it lies at b - (e.b) e across the axis.
         Vec2 b(disk_.x * p.x, disk_.y * p.x + disk_.z * p.y);
         float along = glm::dot(along_, p); // e.b

@@ -104,6 +104,19 @@ inline EquivalentAlpha equivalentAlpha(const MicroTransform &m) {
     return {1 / sigma.y, 1 / sigma.x, phi};
 }
 
+/// The slope tensor Sigma = (M M^T)^-1 = M^-T M^-1 of the 2x2 block, local shading space; its eigenvalues are alpha^2.
+struct SlopeTensor {
+    float xx, xy, yy;
+    float determinant;
+
+    [[nodiscard]] float larger() const { return 0.5F * (xx + yy + std::sqrt(sqr(xx - yy) + 4 * sqr(xy))); }
+    [[nodiscard]] float smaller() const { return determinant / larger(); } ///< without cancellation
+};
+inline SlopeTensor slopeTensor(const MicroTransform &m) {
+    const float skew = -m.b * m.inverseA * m.inverseD; // M^-1 = [1/a skew; 0 1/d]
+    return {sqr(m.inverseA), skew * m.inverseA, sqr(skew) + sqr(m.inverseD), sqr(m.inverseA * m.inverseD)};
+}
+
 /// Stretch along the normal that a material with Poisson ratio nu in [-1, 0.5] takes when its surface is deformed with area
 /// factor |det A|: lambda = det^(-nu/(1-nu)).
 inline float normalStretch(float areaFactor, float poisson) {
