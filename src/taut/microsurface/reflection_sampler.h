@@ -37,7 +37,7 @@ class ReflectionSampler {
     [[nodiscard]] std::optional<Vec3> sample(const Vec2 &u) const { return sample(u, coinFrom(u)); }
 
     /// Density of sample(): D(wm) times a constant; 0 for wi below the horizon.
-    [[nodiscard]] float pdf(const Vec3 &wi) const { return wi.z > 0 ? ggx::distribution(m_, wo_ + wi) * pdfScale_ : 0.0F; }
+    [[nodiscard]] float pdf(const Vec3 &wi) const { return wi.z > 0 ? ggx::distribution(m_, wo_, wi) * pdfScale_ : 0.0F; }
 
     /// pdf(wi) / D(wm), the same for every wi: an evaluation that has D at hand needs no more.
     [[nodiscard]] float pdfScale() const { return pdfScale_; }
