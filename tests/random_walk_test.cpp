@@ -1,7 +1,9 @@
 /// The random walk on the microsurface: nothing lost, the single bounce in closed form, evaluation and sampling the same thing.
 
+#include "random_transforms.h"
 #include "statistics.h"
 
+#include "taut/base/parallel.h"
 #include "taut/base/warp.h"
 #include "taut/bsdf/bsdf.h"
 #include "taut/bsdf/facets.h"
@@ -12,6 +14,7 @@
 #include <random>
 
 using namespace taut;
+using taut::test::randomTransforms;
 
 namespace {
 
@@ -19,27 +22,6 @@ Vec3 direction(double thetaDegrees, double phiDegrees) {
     const double t = radians(thetaDegrees);
     const double p = radians(phiDegrees);
     return {static_cast<float>(std::sin(t) * std::cos(p)), static_cast<float>(std::sin(t) * std::sin(p)), static_cast<float>(std::cos(t))};
-}
-
-/// Diagonal, skewed, squashed, leaning and mirrored transforms, seeded.
-std::vector<MicroTransform> randomTransforms(int count) {
-    std::mt19937 random(2016);
-    std::uniform_real_distribution<float> unit(0, 1);
-    std::uniform_real_distribution<float> entry(-2, 2);
-    const auto alpha = [&] { return std::exp(std::log(0.1F) + unit(random) * std::log(20.0F)); };
-    std::vector<MicroTransform> transforms;
-    for (int i = 0; i < count; ++i) {
-        switch (i % 5) {
-        case 0: transforms.push_back(microTransformFromAlpha(alpha(), alpha())); break;
-        case 1: transforms.push_back(microTransform(1 / alpha(), entry(random), 0, 1 / alpha())); break;
-        case 2: transforms.push_back(microTransformFromAlpha(1 + unit(random), 1 + 2 * unit(random), 3 * unit(random))); break;
-        case 3:
-            transforms.push_back(microTransform(1 / alpha(), entry(random), entry(random), 1 / alpha(), entry(random), entry(random)));
-            break;
-        default: transforms.push_back(microTransform(entry(random), 1 + unit(random), 1 + unit(random), -0.2F)); break;
-        }
-    }
-    return transforms;
 }
 
 struct Estimate {
@@ -153,7 +135,8 @@ template <class Facets> double leavingLight(const MicroTransform &m, const Vec3 
                 jacobian = eta * eta * std::fabs(cosineBeyond) / sqr(cosine + eta * cosineBeyond);
             }
         }
-        if ((wi.z < 0) != across) return; // does not leave at once
+        // Does not leave at once; or lies on the rim of the hemisphere of normals, where rounding may make the density 0.
+        if ((wi.z < 0) != across || !(density > 0)) return;
         const Vec3 event = walk::nextEvent(m, facets, x, x.beyond ? -wi : wi, [&](bool sameSide, const Vec3 &w) {
             return walk::escape(m, w, sameSide ? x.depth : walk::turnedDepth(x.depth));
         });
@@ -164,9 +147,13 @@ template <class Facets> double leavingLight(const MicroTransform &m, const Vec3 
 
 /// Furnace at one wo for each of the transforms: none beyond the bound for all together, next to none beyond three standard errors.
 template <class Measure> void checkFurnace(const std::vector<MicroTransform> &transforms, double theta, const Measure &measure) {
+    std::vector<Estimate> estimates(transforms.size());
+    parallelFor(transforms.size(), 1, [&](std::size_t i) {
+        estimates[i] = measure(transforms[i], direction(theta, 37.0 * static_cast<double>(i)), static_cast<int>(i));
+    });
     int beyondThree = 0;
     for (std::size_t i = 0; i < transforms.size(); ++i) {
-        const Estimate e = measure(transforms[i], direction(theta, 37.0 * static_cast<double>(i)), static_cast<int>(i));
+        const Estimate &e = estimates[i];
         INFO("transform " << i << ", theta " << theta << ": " << e.mean() << " +- " << std::sqrt(e.variance()));
         CHECK(e.off(1) < 4.2); // two-sided 1 % over 400 tests
         CHECK(std::sqrt(e.variance()) < 0.02);
@@ -187,7 +174,8 @@ template <class Facets> void checkLeaving(const std::vector<MicroTransform> &tra
 
 TEST_CASE("White furnace of the walk: all light leaves, for 60 random transforms", "[walk][furnace]") {
     const auto transforms = randomTransforms(60);
-    checkLeaving(transforms, 20, walk::UniformReflector{}, 60000);
+    // By chance a seventh of such runs has one of 60 beyond three standard errors; hence a bound for all together and one for how many.
+    checkLeaving(transforms, 20, walk::UniformReflector{}, 1000000);
     checkLeaving(transforms, 75, walk::UniformReflector{}, 20000);
     checkLeaving(transforms, 89.9, walk::UniformReflector{}, 10000);
 }
@@ -280,7 +268,7 @@ TEST_CASE("The closed single bounce is what the BSDF evaluates, both sides", "[w
                 const Vec3 wi = squareToSphere({random.uniform(), random.uniform()});
                 const float found = walk::evaluateSingle(m, wo, wi, DielectricFacets{eta}).x;
                 const float truth = ScatteringPoint(glass, wo).evaluate(wi).fCos.x * (wi.z < 0 ? eta * eta : 1);
-                if (m.upright()) CHECK(found == Approx(truth).epsilon(2e-3).margin(1e-6));
+                CHECK(found == Approx(truth).epsilon(2e-3).margin(1e-6));
             }
         }
 }

@@ -1,21 +1,16 @@
 /// The reflection sampler against closed forms, quadrature in double that knows nothing of the cone, and chi-squared.
 
-#include "statistics.h"
+#include "direction_bins.h"
 
 #include "taut/bsdf/bsdf.h"
 #include "taut/microsurface/reflection_sampler.h"
 
 #include <catch2/catch.hpp>
 
-#include <algorithm>
-#include <array>
-#include <random>
-
 using namespace taut;
+using namespace taut::test;
 
 namespace {
-
-constexpr double kPiD = 3.14159265358979323846;
 
 struct Named {
     const char *name;
@@ -42,25 +37,6 @@ std::vector<Named> extreme() {
             {"[1 1000; 0 1]", microTransform(1, 1000, 0, 1)},
             {"[0.01 10; 0 3]", microTransform(0.01F, 10, 0, 3)}};
 }
-
-Vec3 direction(double thetaDegrees, double phiDegrees) {
-    const double t = radians(thetaDegrees);
-    const double p = radians(phiDegrees);
-    return {static_cast<float>(std::sin(t) * std::cos(p)), static_cast<float>(std::sin(t) * std::sin(p)), static_cast<float>(std::cos(t))};
-}
-
-class Uniform {
-  public:
-    explicit Uniform(std::uint32_t seed) : random_(seed) {}
-    float number() { return static_cast<float>(random_() >> 8U) * 0x1p-24F; }
-    Vec2 pair() {
-        const float x = number();
-        return {x, number()};
-    }
-
-  private:
-    std::mt19937 random_;
-};
 
 /// The share of visible normals that reflect above the horizon, in double, by standard slopes s in polar coordinates around 0:
 /// |M^-T s - tan(wo)| < 1/wo.z bounds the radius by a quadratic, the radial integral of (1 + t.s) / (1 + |s|^2)^2 is closed.
@@ -94,112 +70,19 @@ float weight(const MicroTransform &m, const Vec3 &wo, const Vec3 &wi, const Refl
     return ggx::visibility(wo.z, ggx::stretchedLength(m, wo), wi.z, ggx::stretchedLength(m, wi), true) * wi.z / sampler.pdfScale();
 }
 
-constexpr std::array<double, 3> kNodes{-0.7745966692414834, 0, 0.7745966692414834};
-constexpr std::array<double, 3> kWeights{5.0 / 18, 8.0 / 18, 5.0 / 18};
-
-/// Integral over z in [z0, z1], phi in [phi0, phi1] by panels of three Gauss points a side.
-template <class F> double integrate(const F &f, double z0, double z1, double phi0, double phi1, int panels) {
-    double sum = 0;
-    const double hz = (z1 - z0) / panels;
-    const double hp = (phi1 - phi0) / panels;
-    for (int i = 0; i < panels * 3; ++i) {
-        const double z = z0 + hz * (i / 3 + 0.5 + 0.5 * kNodes[static_cast<std::size_t>(i % 3)]);
-        const double r = std::sqrt(std::max(0.0, 1 - z * z));
-        for (int j = 0; j < panels * 3; ++j) {
-            const double phi = phi0 + hp * (j / 3 + 0.5 + 0.5 * kNodes[static_cast<std::size_t>(j % 3)]);
-            sum += kWeights[static_cast<std::size_t>(i % 3)] * kWeights[static_cast<std::size_t>(j % 3)] *
-                   static_cast<double>(f(Vec3(r * std::cos(phi), r * std::sin(phi), z)));
-        }
-    }
-    return sum * hz * hp;
-}
-
-/// The same, halving panels until the three-point rule is sure of each to `error`.
-template <class F> double integrateAdaptively(const F &f, double z0, double z1, double phi0, double phi1, double error, int depth) {
-    const double whole = integrate(f, z0, z1, phi0, phi1, 1);
-    const double halves = integrate(f, z0, z1, phi0, phi1, 2);
-    if (depth == 0 || std::fabs(whole - halves) < error) return halves;
-    const double z = 0.5 * (z0 + z1);
-    const double phi = 0.5 * (phi0 + phi1);
-    const auto part = [&](double a, double b, double c, double d) { return integrateAdaptively(f, a, b, c, d, 0.5 * error, depth - 1); };
-    return part(z0, z, phi0, phi) + part(z0, z, phi, phi1) + part(z, z1, phi0, phi) + part(z, z1, phi, phi1);
-}
-
-float azimuthOf(const Vec3 &w) {
-    const float phi = std::atan2(w.y, w.x);
-    return phi < 0 ? phi + 2 * kPi : phi;
-}
-
-/// Bin edges at the quantiles of `values`, with the ends given; equal ones are merged.
-std::vector<double> quantileEdges(std::vector<double> values, int bins, double low, double high) {
-    std::sort(values.begin(), values.end());
-    std::vector<double> edges{low};
-    for (int i = 1; i < bins; ++i) {
-        const double x = values[values.size() * static_cast<std::size_t>(i) / static_cast<std::size_t>(bins)];
-        if (x > edges.back() + 1e-9 && x < high) edges.push_back(x);
-    }
-    edges.push_back(high);
-    return edges;
-}
-
 struct Bend {
     double azimuth = 1;     ///< exponent on the azimuth of every sample
     bool neverFlip = false; ///< leaves the mirror image out
 };
 
-/// p-value of 1e6 samples against the quadrature of pdf() over bins in (cos theta, phi) about the surface normal, so that the
-/// horizon is an edge. Edges follow a pilot run; a last bin holds the rejected samples.
 double chiSquaredOf(const MicroTransform &m, const Vec3 &wo, Uniform &uniform, Bend bend = {}) {
-    constexpr int kSamples = 1000000;
-    constexpr int kPilot = 20000;
-    constexpr int kBins = 20;
     const ReflectionSampler sampler(m, wo);
     const auto draw = [&] {
         const Vec2 u = uniform.pair();
         return bend.neverFlip ? sampler.sample(u, 1) : sampler.sample(u);
     };
-    std::vector<double> zs;
-    std::vector<double> phis;
-    for (int i = 0; i < kPilot; ++i)
-        if (const auto wi = draw()) {
-            zs.push_back(static_cast<double>(wi->z));
-            phis.push_back(static_cast<double>(azimuthOf(*wi)));
-        }
-    const std::vector<double> zEdges = quantileEdges(zs, kBins, std::fmax(0.0F, -wo.z), 1);
-    const std::vector<double> phiEdges = quantileEdges(phis, kBins, 0, 2 * kPiD);
-    const std::size_t nz = zEdges.size() - 1;
-    const std::size_t np = phiEdges.size() - 1;
-    std::vector<double> observed(nz * np + 1);
-    std::vector<double> expected(nz * np + 1);
-    const auto binOf = [](const std::vector<double> &edges, double x) {
-        const auto after = std::upper_bound(edges.begin() + 1, edges.end() - 1, x);
-        return static_cast<std::size_t>(after - edges.begin()) - 1;
-    };
-    for (int i = 0; i < kSamples; ++i) {
-        const auto wi = draw();
-        if (!wi) {
-            ++observed.back();
-            continue;
-        }
-        double phi = static_cast<double>(azimuthOf(*wi));
-        if (bend.azimuth != 1) phi = 2 * kPiD * std::pow(phi / (2 * kPiD), bend.azimuth);
-        ++observed[binOf(zEdges, static_cast<double>(wi->z)) * np + binOf(phiEdges, phi)];
-    }
-    double total = 0;
-    for (std::size_t i = 0; i < nz; ++i)
-        for (std::size_t j = 0; j < np; ++j) {
-            double share = 0;
-            constexpr int kParts = 4; // too few to miss a ridge in all
-            for (int part = 0; part < kParts; ++part) {
-                const double width = (phiEdges[j + 1] - phiEdges[j]) / kParts;
-                share += integrateAdaptively([&](const Vec3 &w) { return sampler.pdf(w); }, zEdges[i], zEdges[i + 1],
-                                             phiEdges[j] + part * width, phiEdges[j] + (part + 1) * width, 1e-6, 9);
-            }
-            total += share;
-            expected[i * np + j] = share * kSamples;
-        }
-    expected.back() = std::max(0.0, 1 - total) * kSamples;
-    return test::chiSquaredP(observed, expected);
+    return test::chiSquaredOf(
+        draw, [&](const Vec3 &w) { return sampler.pdf(w); }, std::fmax(0.0F, -wo.z), 1, bend.azimuth);
 }
 
 } // namespace

@@ -24,6 +24,9 @@ using DVec3 = glm::dvec3;
 using DMat3 = glm::dmat3;
 using DMat4 = glm::dmat4;
 using DQuat = glm::dquat;
+/// Vectors of any real type, for code that is instantiated in float, double and long double.
+template <class T> using Vector2 = glm::vec<2, T, glm::defaultp>;
+template <class T> using Vector3 = glm::vec<3, T, glm::defaultp>;
 using Index = std::uint32_t;
 using Index3 = glm::u32vec3;
 

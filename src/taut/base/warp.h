@@ -3,6 +3,9 @@
 
 #include "taut/base/vec.h"
 
+#include <numbers>
+#include <type_traits>
+
 namespace taut {
 
 /// (cos, sin) of 2 pi `turns`, turns in [-1/8, 1], to 2e-7: polynomials of an eighth of a turn (Chebyshev interpolation in the square of
@@ -18,6 +21,13 @@ inline Vec2 unitCircle(float turns) {
     const float x = odd ? s : c;
     const float y = odd ? c : s;
     return {((quadrant + 1) & 2) != 0 ? -x : x, (quadrant & 2) != 0 ? -y : y};
+}
+
+/// The same in wider numbers, by the library.
+template <class T>
+requires(!std::is_same_v<T, float>) Vector2<T> unitCircle(T turns) {
+    const T angle = 2 * std::numbers::pi_v<T> * turns;
+    return {std::cos(angle), std::sin(angle)};
 }
 
 /// Concentric map to the unit disk (Shirley & Chiu 1997).

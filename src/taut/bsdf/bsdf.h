@@ -125,7 +125,7 @@ class ScatteringPoint {
     /// Reflection lobe: F D visibility cos, and the density of its sampling, which is D times a constant.
     [[nodiscard]] BsdfEval reflection(const Vec3 &wi) const {
         const Vec3 h = wo_ + wi;
-        const float density = ggx::distribution(bsdf_.micro, h);
+        const float density = ggx::distribution(bsdf_.micro, wo_, wi);
         const float cosine = glm::dot(wo_, h) / glm::length(h);
         const float lengthI = ggx::stretchedLength(bsdf_.micro, wi);
         // For a back-facing wo the weight is F G1(wi), Tokuyoshi 2021.
@@ -140,24 +140,21 @@ class ScatteringPoint {
     /// Refraction lobe (Walter et al. 2007, eq. 21, as radiance: without the factor eta^2) for wi.z < 0.
     [[nodiscard]] BsdfEval transmission(const Vec3 &wi) const {
         if (wi.z >= 0) return {};
-        Vec3 h = -(wo_ + bsdf_.eta * wi); // towards the thinner side where eta > 1
-        if (h.z < 0) h = -h;
+        const Vec3 h = facet::refractionHalf(wo_, wi, bsdf_.eta);
         const float inverse = 1 / glm::length(h);
         const float cosO = glm::dot(wo_, h) * inverse;
-        const float cosI = glm::dot(wi, h) * inverse;
-        if (!(cosO > 0) || !(cosI < 0)) return {};
+        const float jacobian = facet::refractionJacobian(cosO, glm::dot(wi, h) * inverse, bsdf_.eta);
+        if (!(jacobian > 0)) return {};
         const float density = ggx::distribution(bsdf_.micro, h);
         const float transmitted = 1 - fresnel::dielectric(cosO, bsdf_.eta);
-        const float denominator = sqr(cosO + bsdf_.eta * cosI);
-        if (!(denominator > 0)) return {};
         const float visible = 2 * cosO * density / area_; // D_vis
         const float lambdaI = ggx::lambda(bsdf_.micro, wi);
         // G2 / G1(wo): what is left of the light on its way out.
         const float lambdaO = ggx::lambda(bsdf_.micro, wo_);
         const float leaving = wo_.z > 0 ? ggx::shadowing(lambdaO, lambdaI, false, bsdf_.correlated) * (1 + lambdaO) : 1 / (1 + lambdaI);
         BsdfEval e;
-        e.pdf = transmitted * visible * bsdf_.eta * bsdf_.eta * -cosI / denominator;
-        e.fCos = bsdf_.tint * (transmitted * visible * leaving * -cosI / denominator);
+        e.pdf = transmitted * visible * jacobian;
+        e.fCos = bsdf_.tint * (transmitted * visible * leaving * jacobian / (bsdf_.eta * bsdf_.eta));
         return e;
     }
 

@@ -1,7 +1,7 @@
 #pragma once
 /// Fresnel reflectance, unpolarised. Cosines are measured from the micro-normal, on the side of the viewer.
 
-#include "taut/base/vec.h"
+#include "taut/microsurface/facet.h"
 
 namespace taut::fresnel {
 
@@ -62,13 +62,6 @@ template <class Reflectance> Vec3 diffuseMean(const Reflectance &reflectance) {
     return sum;
 }
 
-/// The direction beyond the interface, or false at total internal reflection. `cosine` = <wo, wm> > 0, eta as above.
-inline bool refract(const Vec3 &wo, const Vec3 &wm, float cosine, float eta, Vec3 &wi) {
-    const float inverse = 1 / eta;
-    const float c2 = 1 - inverse * inverse * (1 - cosine * cosine);
-    if (!(c2 > 0)) return false;
-    wi = glm::normalize(wm * (inverse * cosine - std::sqrt(c2)) - wo * inverse);
-    return true;
-}
+using facet::refract;
 
 } // namespace taut::fresnel

@@ -95,7 +95,7 @@ inline float singleScatterAlbedo(const MicroTransform &m, const Vec3 &w, const f
 /// Cosine-weighted hemispherical mean of the above: the share of diffuse light that leaves after one bounce. Fitted to the mean of
 /// the fit, so that the compensating lobe returns all that the fit finds lost.
 inline float averageAlbedo(const MicroTransform &m) {
-    const Vec2 sigma = singularValues(m.a, m.b, 0, m.d);
+    const Vec2 sigma = singularValues(m);
     const float rougher = roughnessCoordinate(1 / sigma.y);
     const float smoother = roughnessCoordinate(1 / sigma.x);
     const auto x = chebyshev<table::kAverageDegree>(rougher);

@@ -16,6 +16,7 @@
 ///     bool refract(const Vec3 &v, const Vec3 &wm, float cosine, bool beyond, Vec3 &w) const
 /// `beyond`: the light is on the far side of the interface. `cosine` = <v, wm> > 0, v points back along the light.
 
+#include "taut/microsurface/facet.h"
 #include "taut/microsurface/ggx.h"
 
 namespace taut::walk {
@@ -94,19 +95,16 @@ inline float escape(const MicroTransform &m, const Vec3 &w, float depth) {
 inline float reflectionDensity(const MicroTransform &m, const Vec3 &v, float area, const Vec3 &wi, float &cosine) {
     const Vec3 h = v + wi;
     cosine = 0.5F * glm::length(h); // |v + wi|^2 = 2 (1 + <v, wi>)
-    return ggx::distribution(m, h) / (2 * area);
+    return ggx::distribution(m, v, wi) / (2 * area);
 }
 
 /// The same for refraction towards wi on the other side (Walter et al. 2007, eq. 21); 0 where no facet can do it.
 inline float refractionDensity(const MicroTransform &m, const Vec3 &v, float area, const Vec3 &wi, float eta, float &cosine) {
-    Vec3 h = v + eta * wi; // towards v where eta < 1
-    if (m.transposed(h).z < 0) h = -h;
+    const Vec3 h = facet::refractionHalf(v, wi, eta);
     const float inverse = 1 / glm::length(h);
     cosine = glm::dot(v, h) * inverse;
-    const float cosineBeyond = -glm::dot(wi, h) * inverse;
-    const float denominator = sqr(cosine - eta * cosineBeyond);
-    if (!(cosine > 0) || !(cosineBeyond > 0) || !(denominator > 0)) return 0;
-    return 2 * cosine * ggx::distribution(m, h) / area * eta * eta * cosineBeyond / denominator;
+    const float jacobian = facet::refractionJacobian(cosine, glm::dot(wi, h) * inverse, eta);
+    return jacobian > 0 ? 2 * cosine * ggx::distribution(m, h) / area * jacobian : 0.0F;
 }
 
 /// Light scattered at `vertex` straight to `wi` (frame of the viewer, either side), with `leaving`(same side, direction upwards in

@@ -31,7 +31,7 @@ class ReflectionSampler {
     /// Whether bounded caps reject more than `share` of the samples at wo = z. With a the smaller alpha or 1 they keep
     /// (1 + a^2) / sqrt((1 + alphaX^2) (1 + alphaY^2)) of them, eq. (8) over what the bound leaves; at other wo about as much.
     static bool capsWaste(const MicroTransform &m, float share) {
-        const SlopeTensor sigma = slopeTensor(m);
+        const SlopeTensor<float> sigma = slopeTensor(m);
         const float all = sqr(1 - share) * (1 + sigma.xx + sigma.yy + sigma.determinant);
         return all > 1 && all > sqr(1 + std::fmin(sigma.smaller(), 1.0F));
     }
@@ -47,7 +47,7 @@ class ReflectionSampler {
     [[nodiscard]] std::optional<Vec3> sample(const Vec2 &u) const { return sample(u, coinFrom(u)); }
 
     /// Density of sample(): D(wm) times a constant; 0 for wi below the horizon.
-    [[nodiscard]] float pdf(const Vec3 &wi) const { return wi.z > 0 ? ggx::distribution(m_, wo_ + wi) * pdfScale_ : 0.0F; }
+    [[nodiscard]] float pdf(const Vec3 &wi) const { return wi.z > 0 ? ggx::distribution(m_, wo_, wi) * pdfScale_ : 0.0F; }
 
     /// pdf(wi) / D(wm), the same for every wi: an evaluation that has D at hand needs no more.
     [[nodiscard]] float pdfScale() const { return pdfScale_; }

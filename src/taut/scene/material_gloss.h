@@ -50,20 +50,17 @@ inline MicroTransform transformAt(const Material &material, const Scene &scene, 
                                   float sense, const Vec2 *lean = nullptr) {
     const RestRoughness rest = restRoughness(material, scene, uv);
     const float area = std::fabs(stretch.x * stretch.z - stretch.y * stretch.y);
-    const float inverseLambda =
-        material.poisson == 0 || lean != nullptr ? 1.0F : 1 / normalStretch(std::fmax(area, 1e-12F), material.poisson);
-    const Vec3 v = stretch * inverseLambda;
-    const Vec2 column = lean != nullptr ? *lean : Vec2(0);
-    if (rest.alphaX == rest.alphaY)
-        return microTransform(v.x / rest.alphaX, v.y / rest.alphaX, v.y / rest.alphaX, v.z / rest.alphaX, column.x, column.y);
+    const float lambda = material.poisson == 0 || lean != nullptr ? 1.0F : normalStretch(std::fmax(area, 1e-12F), material.poisson);
     Vec2 axis = tangent;
-    if (rest.rotation != 0) {
+    if (rest.alphaX == rest.alphaY) {
+        axis = {1, 0}; // any will do; this one leaves the bits alone
+    } else if (rest.rotation != 0) {
         const float c = std::cos(rest.rotation);
         const float s = std::sin(rest.rotation) * sense;
         axis = {tangent.x * c - tangent.y * s, tangent.x * s + tangent.y * c};
     }
-    return microTransform((v.x * axis.x + v.y * axis.y) / rest.alphaX, (v.y * axis.x - v.x * axis.y) / rest.alphaY,
-                          (v.y * axis.x + v.z * axis.y) / rest.alphaX, (v.z * axis.x - v.y * axis.y) / rest.alphaY, column.x, column.y);
+    return deformedTransform(Block{stretch.x, stretch.y, stretch.y, stretch.z}, restBlock(rest.alphaX, rest.alphaY, axis), lambda,
+                             lean != nullptr ? *lean : Vec2(0));
 }
 
 } // namespace taut
