@@ -25,7 +25,8 @@ inline Vec2 unitCircle(float turns) {
 
 /// The same in wider numbers, by the library.
 template <class T>
-requires(!std::is_same_v<T, float>) Vector2<T> unitCircle(T turns) {
+    requires(std::is_floating_point_v<T> && !std::is_same_v<T, float>)
+Vector2<T> unitCircle(T turns) {
     const T angle = 2 * std::numbers::pi_v<T> * turns;
     return {std::cos(angle), std::sin(angle)};
 }
