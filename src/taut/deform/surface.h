@@ -50,7 +50,7 @@ struct Surface {
     std::vector<Index> stencilPositions;
     std::vector<Vec2> stencilWeights;
     std::vector<float> stencilPoints; ///< empty but for a limit surface
-    std::vector<Vec2> slope;          ///< [surface vertices]
+    std::vector<Vec2> slope;          ///< [surface vertices]; infinite at lone vertices of a limit surface
 
     // Derivatives of skin weights along e1 and e2 by the same fit: for joint k of surface vertex v.
     std::vector<Index> weightGradientOffsets; ///< [surface vertices + 1]; empty without a skin

@@ -218,7 +218,10 @@ void makeFits(const FitInput &input, const SurfaceOptions &options, Surface &sur
                 surface.stencilWeights.push_back(weight);
             }
         }
-        if (!known) ++surface.loneVertices; // RestAtLoneVertex
+        if (!known) { // RestAtLoneVertex
+            ++surface.loneVertices;
+            if (onLimit) surface.slope[s] = Vec2(kInfinity);
+        }
         surface.stencilOffsets.push_back(static_cast<Index>(surface.stencilPositions.size()));
     }
 }

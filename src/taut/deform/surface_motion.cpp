@@ -74,27 +74,24 @@ Vec3 toVec3(const Lanes &lanes) {
     return {lanes[0], lanes[1], lanes[2]};
 }
 
-/// The same with the position, on a limit surface. False where the vertex has no derivatives (RestAtLoneVertex).
-bool differentiateLimit(const Surface &surface, std::size_t s, const std::vector<Vec4> &points, Vec3 &position, Vec3 &f1, Vec3 &f2) {
+/// The same with the position, on a limit surface.
+void differentiateLimit(const Surface &surface, std::size_t s, const std::vector<Vec4> &points, Vec3 &position, Vec3 &f1, Vec3 &f2) {
     const Index begin = surface.stencilOffsets[s];
     const Index end = surface.stencilOffsets[s + 1];
     const Lanes origin = load(points[surface.stencilPositions[begin]]);
     Lanes x{};
     Lanes d1{};
     Lanes d2{};
-    Vec2 size(0);
     for (Index k = begin; k < end; ++k) {
         const Lanes p = load(points[surface.stencilPositions[k]]) - origin;
         const Vec2 w = surface.stencilWeights[k];
         x += p * surface.stencilPoints[k];
         d1 += p * w.x;
         d2 += p * w.y;
-        size += w * w;
     }
     position = toVec3(origin + x);
     f1 = toVec3(d1);
     f2 = toVec3(d2);
-    return size.x > 0 && size.y > 0;
 }
 
 /// Finishes the gradient of a fit in a space whose rest shape is `restFromSpace`^-1 of rest space. The normal is the
@@ -112,6 +109,10 @@ void raiseFit(const Surface &surface, std::size_t s, const Mat3 &restFromSpace, 
         return;
     }
     const Vec3 upright = cross / area;
+    if (slope == Vec2(0)) { // a limit surface: the tangents span the tangent plane
+        normal = upright;
+        return;
+    }
     const float scale = std::sqrt(area / std::sqrt(1 + glm::dot(slope, slope)));
     const Vec2 target = slope * scale;
     // In-plane part: solve the Gram system for the vector with the wanted dot products.
@@ -233,7 +234,8 @@ void fitGradient(const Surface &surface, std::span<const Vec3> renderPoints, boo
     parallelFor(count, kGrain, [&](std::size_t s) {
         bool known = surface.stencilOffsets[s] != surface.stencilOffsets[s + 1];
         if (onLimit) {
-            known = differentiateLimit(surface, s, out.points, out.position[s], out.f1[s], out.f2[s]);
+            known = surface.slope[s].x < kInfinity; // RestAtLoneVertex
+            differentiateLimit(surface, s, out.points, out.position[s], out.f1[s], out.f2[s]);
         } else {
             out.position[s] = renderPoints[surface.surfacePosition[s]];
             if (known) differentiate(surface, s, renderPoints, out.f1[s], out.f2[s]);

@@ -88,8 +88,13 @@ void fillStep(RenderObject &object, SurfaceStep &out) {
             out.ds[v] = g.ds * scale;
             out.dt[v] = g.dt * scale;
         } else if (tensors) {
-            const Frame frame = smoothFrameFromNormal(g.n);
-            out.stretch[v] = encodeStretch(plan.interpolation, polar.stretch * scale, frame.s, frame.t, g.n);
+            const SymmetricTensor v3 = polar.stretch * scale;
+            if (plan.interpolation == GradientInterpolation::Stretch) {
+                out.stretch[v] = v3;
+            } else {
+                const Frame frame = smoothFrameFromNormal(g.n);
+                out.stretch[v] = encodeStretch(plan.interpolation, v3, frame.s, frame.t, g.n);
+            }
         }
     });
     if (!follows) return;
