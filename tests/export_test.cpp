@@ -125,6 +125,35 @@ TEST_CASE("export: M is A M0 of the deformation at every vertex", "[export]") {
     CHECK(worst < 3e-6);
 }
 
+TEST_CASE("export: a leaning M has its third column", "[export]") {
+    const std::string folder = freshFolder("export_lean");
+    writeBytes(folder + "/flat.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3 4/4\n");
+    writeBytes(folder + "/scene.toml", R"(
+[material.metal]
+type = "conductor"
+alpha = [0.1, 0.4]
+[[mesh]]
+file = "flat.obj"
+material = "metal"
+lean = true
+[[mesh.deform]]
+type = "shear"
+plane = "xz"
+amount = 0.7
+)"); // x moves by 0.7 z: the surface stays, the space above it leans along the tangent
+    const Scene scene = load(folder + "/scene.toml");
+    GlossObject object;
+    prepareGlossObject(scene, scene.objects.front(), object);
+    glossAtFrame(scene, 1, {}, object);
+    for (std::size_t v = 0; v < 4; ++v) {
+        CHECK(object.mesh.m[v].x == Approx(10));
+        CHECK(object.mesh.m[v].y == Approx(0).margin(1e-5));
+        CHECK(object.mesh.m[v].z == Approx(2.5));
+        CHECK(object.mesh.lean[v].x == Approx(0.7));
+        CHECK(object.mesh.lean[v].y == Approx(0).margin(1e-6));
+    }
+}
+
 TEST_CASE("export: rest positions carry the frame's M", "[export]") {
     const Scene scene = load(writeScene(freshFolder("export_rest")));
     GlossObject world;

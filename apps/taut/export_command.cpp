@@ -105,6 +105,14 @@ std::string pathOf(const Output &output, int frame, const std::vector<GlossObjec
     return path.string();
 }
 
+/// The same, its folder made: what is about to be written.
+std::string newPathOf(const Output &output, int frame, const std::vector<GlossObject> &objects, std::size_t object) {
+    std::string path = pathOf(output, frame, objects, object);
+    std::error_code ignored; // the writer says what is wrong with a path
+    if (const fs::path folder = fs::path(path).parent_path(); !folder.empty()) fs::create_directories(folder, ignored);
+    return path;
+}
+
 class Exporter {
   public:
     Exporter(const Scene &scene, const ExportArguments &arguments);
@@ -183,7 +191,7 @@ void Exporter::open(Output &output) {
             info.firstFrame = static_cast<float>(frames_.front());
             info.frameStep = frames_.size() > 1 ? static_cast<float>(frames_[1] - frames_[0]) : 1.0F;
             for (const int frame : frames_) info.seconds.push_back(static_cast<float>((frame - 1) / scene_.render.fps));
-            output.caches.push_back(std::make_unique<PointCacheWriter>(pathOf(output, 0, objects_, i), std::move(info)));
+            output.caches.push_back(std::make_unique<PointCacheWriter>(newPathOf(output, 0, objects_, i), std::move(info)));
         }
 }
 
@@ -214,7 +222,7 @@ void Exporter::write(Output &output, int frame) {
         return;
     case Format::Usda: {
         const MeshesTogether together(objects_);
-        if (!output.usda) output.usda = std::make_unique<UsdaWriter>(pathOf(output, frame, objects_, 0), together.meshes);
+        if (!output.usda) output.usda = std::make_unique<UsdaWriter>(newPathOf(output, frame, objects_, 0), together.meshes);
         output.usda->write(frame, together.meshes);
         if (!hasFramePattern(output.pattern)) return;
         output.usda->finish(together.meshes, scene_.render.fps);
@@ -228,12 +236,12 @@ void Exporter::write(Output &output, int frame) {
             means.push_back(meanGloss(mesh));
             for (const MeanGloss &mean : means.back()) greatestSpread_ = std::fmax(greatestSpread_, mean.spread);
         }
-        clippedMaterials_ += writeGlossGltf(pathOf(output, frame, objects_, 0), together.meshes, means);
+        clippedMaterials_ += writeGlossGltf(newPathOf(output, frame, objects_, 0), together.meshes, means);
         break;
     }
     default:
         for (std::size_t i = 0; i < objects_.size(); ++i) {
-            const std::string path = pathOf(output, frame, objects_, i);
+            const std::string path = newPathOf(output, frame, objects_, i);
             if (output.info.format == Format::Ply) writeGlossPly(path, objects_[i].mesh, arguments_.ascii);
             if (output.info.format == Format::Csv) writeGlossCsv(path, objects_[i].mesh);
             if (output.info.format == Format::Npz) writeGlossNpz(path, objects_[i].mesh);

@@ -21,6 +21,19 @@ struct SymmetricTensor {
     }
 };
 
+/// F n0 as M takes it: one over its length along the normal, and its tangential part over that length. No lean where space has
+/// collapsed onto the surface.
+struct Lean {
+    float inverseLambda = 1;
+    Vec3 tangential{0};
+};
+inline Lean leanOf(const Vec3 &normalImage, const Vec3 &n) {
+    const float along = glm::dot(normalImage, n);
+    const float lambda = std::fabs(along);
+    if (!(lambda > 1e-6F * glm::length(normalImage))) return {};
+    return {1 / lambda, (normalImage - n * along) / along};
+}
+
 struct PolarGradient {
     SymmetricTensor stretch; ///< V
     Vec4 tangent;            ///< xyz = R t0, unit; w = +1 or -1: the sense of dt (-1 under mirrored UVs)

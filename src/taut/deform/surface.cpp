@@ -171,6 +171,7 @@ class Builder {
         const bool hasUvs = !mesh_.cornerUvs.empty();
         for (const VertexSum &sum : sums) {
             surface_.vertexSurface.push_back(sum.surface);
+            if (!mesh_.cornerTangents.empty()) surface_.vertexTangents.push_back(sum.tangent);
             if (hasUvs) surface_.uvs.push_back(sum.uv == kNone ? Vec2(0) : mesh_.uvs[sum.uv]);
             surface_.frameCoefficients.push_back(restFrame(sum));
             surface_.mirroredVertices += sum.mirrored ? 1 : 0;

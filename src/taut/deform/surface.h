@@ -35,6 +35,7 @@ struct Surface {
     std::vector<Index> triangleSlots;    ///< material slot; empty: all 0
     std::vector<Index> vertexSurface;    ///< [render vertices] -> surface vertex
     std::vector<Vec2> uvs;               ///< [render vertices]; empty without UVs
+    std::vector<Index> vertexTangents;   ///< [render vertices] -> tangent of the mesh; empty where it has none
     std::vector<Vec4> frameCoefficients; ///< [render vertices]: t0 = x e1 + y e2, b0 = z e1 + w e2
 
     // Surface vertices.

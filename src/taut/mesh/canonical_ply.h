@@ -25,7 +25,8 @@ class CanonicalPly {
     bool hasUvs = false;
 
     /// All of one vertex: position, then the normal and the uv that the file has.
-    void addVertex(const float (&values)[8]) {
+    template <std::size_t N> void addVertex(const float (&values)[N]) {
+        static_assert(N >= 8);
         for (int i = 0; i < 8; ++i)
             if (i < 3 || (i < 6 ? hasNormals : hasUvs)) appendBinary(vertices_, values[i]);
         ++vertexCount_;

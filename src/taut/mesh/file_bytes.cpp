@@ -36,8 +36,6 @@ std::string lowerExtension(std::string_view path) {
 }
 
 OutputFile::OutputFile(const std::string &path) : path_(path), partial_(path + ".partial") {
-    std::error_code ignored; // the open below fails where this did
-    if (const fs::path folder = fs::path(path).parent_path(); !folder.empty()) fs::create_directories(folder, ignored);
     file_ = std::fopen(partial_.c_str(), "wb");
     if (file_ == nullptr) fail(std::strerror(errno));
 }

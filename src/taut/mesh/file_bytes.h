@@ -14,7 +14,7 @@ std::string readFileBytes(const std::string &path);
 std::string lowerExtension(std::string_view path);
 
 /// A file written piece by piece beside `path` and renamed by finish(), so that `path` is never half written. Without finish()
-/// nothing is left behind. Makes the folder where there is none. Throws RunError where a write fails.
+/// nothing is left behind. Throws RunError where a write fails.
 class OutputFile {
   public:
     explicit OutputFile(const std::string &path);

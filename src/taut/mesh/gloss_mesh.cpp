@@ -8,13 +8,12 @@ template <class V> const float *floatsOf(const std::vector<V> &values, int compo
     return values.empty() ? nullptr : &values.front()[component];
 }
 
-/// (M M^T)^-1 of alpha, alpha, phi: xx, xy, yy, with `side` turning the y axis over.
-DVec3 slopeTensor(const Vec3 &alpha, float side) {
-    const double c = std::cos(static_cast<double>(alpha.z));
-    const double s = std::sin(static_cast<double>(alpha.z)) * static_cast<double>(side);
-    const double x = sqr(static_cast<double>(alpha.x));
-    const double y = sqr(static_cast<double>(alpha.y));
-    return {x * c * c + y * s * s, (x - y) * c * s, x * s * s + y * c * c};
+/// (M M^T)^-1 of M = [a b; 0 d]: xx, xy, yy, with `side` turning the y axis over.
+DVec3 slopeTensor(const Vec3 &m, float side) {
+    const double a = 1 / static_cast<double>(m.x);
+    const double d = 1 / static_cast<double>(m.z);
+    const double b = -static_cast<double>(m.y) * a * d; // M^-1 = [1/a, b; 0, 1/d]
+    return {a * a, a * b * static_cast<double>(side), b * b + d * d};
 }
 
 } // namespace
@@ -72,7 +71,7 @@ std::vector<MeanGloss> meanGloss(const GlossMesh &mesh) {
         for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
             for (int k = 0; k < 3; ++k) {
                 const Index v = mesh.triangles[t][k];
-                f(mesh.triangleMaterials[t], slopeTensor(mesh.alpha[v], mesh.tangents[v].w));
+                f(mesh.triangleMaterials[t], slopeTensor(mesh.m[v], mesh.tangents[v].w));
             }
     };
     forEachCorner([&](Index material, const DVec3 &tensor) {

@@ -4,6 +4,7 @@
 #include "taut/mesh/gltf_source.h"
 #include "taut/mesh/read_formats.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -176,6 +177,25 @@ std::vector<MorphTarget> readMorphs(const Primitive &primitive, const std::vecto
 
 // --- primitives ------------------------------------------------------------------------------------------------------
 
+/// M at every vertex, of a file that `taut export` wrote; empty where there is none, or no frame for it.
+std::vector<Vec3> readStoredM(const Primitive &primitive, std::size_t positions) {
+    std::vector<Vec3> m = readAttribute<Vec3>(primitive, "_TAUT_M", positions);
+    const std::string where = primitive.attributePath("_TAUT_M");
+    for (std::size_t v = 0; v < m.size(); ++v)
+        if (!(m[v].x > 0 && m[v].z > 0))
+            failGltf(primitive.source.path, where,
+                     std::to_string(m[v].x) + " and " + std::to_string(m[v].z) + " on the diagonal in element " + std::to_string(v),
+                     "numbers above 0");
+    if (!m.empty() && !(primitive.has("NORMAL") && primitive.has("TANGENT"))) {
+        primitive.warnings.add(primitive.source.path + ": " + where + " is left out: it needs NORMAL and TANGENT");
+        return {};
+    }
+    const std::vector<Vec2> lean = m.empty() ? std::vector<Vec2>() : readAttribute<Vec2>(primitive, "_TAUT_LEAN", positions);
+    if (std::any_of(lean.begin(), lean.end(), [](const Vec2 &l) { return l != Vec2(0); }))
+        primitive.warnings.add(primitive.source.path + ": " + primitive.attributePath("_TAUT_LEAN") + ": a stored M is taken as upright");
+    return m;
+}
+
 Mesh readPrimitive(const Primitive &primitive, const std::vector<std::string> &targetNames) {
     const GltfSource &source = primitive.source;
     Mesh mesh;
@@ -188,6 +208,7 @@ Mesh readPrimitive(const Primitive &primitive, const std::vector<std::string> &t
     mesh.tangents = readAttribute<Vec4>(primitive, "TANGENT", positions);
     mesh.uvs = readAttribute<Vec2>(primitive, "TEXCOORD_0", positions);
     for (Vec2 &uv : mesh.uvs) uv.y = 1 - uv.y;
+    mesh.storedM = readStoredM(primitive, positions);
 
     mesh.cornerPositions = triangleCorners(primitive, readIndices(primitive, positions));
     for (std::size_t corner = 3; corner <= mesh.cornerPositions.size(); corner += 3) mesh.faceOffsets.push_back(static_cast<Index>(corner));

@@ -33,9 +33,14 @@ constexpr auto kTypes = std::to_array<ScalarType>({{"char", 1, 'i'},
                                                    {"float32", 4, 'f'},
                                                    {"double", 8, 'f'},
                                                    {"float64", 8, 'f'}});
-/// Roles of properties: 0 to 7 are x y z nx ny nz s t of a vertex, in the order of CanonicalPly::addVertex.
-constexpr std::size_t kVertexIndices = 8;
-constexpr std::size_t kUnread = 9;
+/// Roles of properties: 0 to 7 are x y z nx ny nz s t of a vertex, in the order of CanonicalPly::addVertex; then what a mesh
+/// that `taut export` wrote has: M_x M_y M_z, tangent_x tangent_y tangent_z, tangent_sign_x, M_p_x M_q_x.
+constexpr std::size_t kFirstM = 8;
+constexpr std::size_t kFirstTangent = 11;
+constexpr std::size_t kTangentSign = 14;
+constexpr std::size_t kFirstLean = 15;
+constexpr std::size_t kVertexIndices = 17;
+constexpr std::size_t kUnread = 18;
 
 struct Property {
     std::string name;
@@ -252,8 +257,27 @@ class Body {
     bool firstLine_ = true;
 };
 
-/// One element of any kind: its line or bytes are checked, and what the mesh takes from it goes to `out`.
-void readElement(Body &body, const Element &element, std::size_t vertices, CanonicalPly &out) {
+/// M and its frame, of a mesh that `taut export` wrote.
+struct StoredGloss {
+    bool present = false;
+    std::vector<Vec3> m;
+    std::vector<Vec4> tangents;
+    std::size_t leaning = 0; ///< vertices whose M leans
+
+    void add(const float (&values)[kVertexIndices], const Location &where) {
+        if (!present) return;
+        const auto triple = [&](std::size_t first) { return Vec3(values[first], values[first + 1], values[first + 2]); };
+        m.push_back(triple(kFirstM));
+        if (!(m.back().x > 0 && m.back().z > 0))
+            failInput(where, "M with " + std::to_string(m.back().x) + " and " + std::to_string(m.back().z) + " on its diagonal",
+                      "M_x and M_z above 0");
+        tangents.emplace_back(triple(kFirstTangent), values[kTangentSign] < 0 ? -1.0F : 1.0F);
+        if (values[kFirstLean] != 0 || values[kFirstLean + 1] != 0) ++leaning;
+    }
+};
+
+/// One element of any kind: its line or bytes are checked, and what the mesh takes from it goes to `out` and `gloss`.
+void readElement(Body &body, const Element &element, std::size_t vertices, CanonicalPly &out, StoredGloss &gloss) {
     float values[kVertexIndices] = {};
     body.beginElement();
     for (const Property &p : element.properties) {
@@ -278,8 +302,11 @@ void readElement(Body &body, const Element &element, std::size_t vertices, Canon
             out.addCorner(static_cast<std::int32_t>(index));
         }
     }
+    if (element.name == "vertex") {
+        out.addVertex(values);
+        gloss.add(values, body.where());
+    }
     body.endElement();
-    if (element.name == "vertex") out.addVertex(values);
 }
 
 } // namespace
@@ -295,6 +322,13 @@ CheckedFile checkPly(std::string_view bytes, const std::string &path, Warnings &
     out.hasNormals = assignRoles(vertex, 3, {"nx", "ny", "nz"});
     out.hasUvs =
         assignRoles(vertex, 6, {"s", "t"}) || assignRoles(vertex, 6, {"u", "v"}) || assignRoles(vertex, 6, {"texture_u", "texture_v"});
+    StoredGloss gloss;
+    gloss.present = vertex.find("tangent_x") != nullptr && assignRoles(vertex, kFirstM, {"M_x", "M_y", "M_z"}) &&
+                    assignRoles(vertex, kFirstTangent, {"tangent_x", "tangent_y", "tangent_z"});
+    if (gloss.present) {
+        assignRoles(vertex, kTangentSign, {"tangent_sign_x"});
+        assignRoles(vertex, kFirstLean, {"M_p_x", "M_q_x"});
+    }
     const auto isIndexList = [](const Property &p) {
         return p.countType != nullptr && p.type->kind != 'f' && (p.name == "vertex_indices" || p.name == "vertex_index");
     };
@@ -314,9 +348,14 @@ CheckedFile checkPly(std::string_view bytes, const std::string &path, Warnings &
                        element.where);
     }
     for (const Element &element : header.elements)
-        for (std::int64_t i = 0; i < element.count; ++i) readElement(body, element, static_cast<std::size_t>(vertex.count), out);
+        for (std::int64_t i = 0; i < element.count; ++i) readElement(body, element, static_cast<std::size_t>(vertex.count), out, gloss);
     if (!body.onlyBlanksLeft()) warnings.add(path + ": what follows the last element of the header was not read");
-    return out.finish();
+    if (gloss.leaning > 0)
+        warnings.add(path + ": M leans at " + std::to_string(gloss.leaning) + " vertices; a stored M is taken as upright");
+    CheckedFile checked = out.finish();
+    checked.storedM = std::move(gloss.m);
+    checked.tangents = std::move(gloss.tangents);
+    return checked;
 }
 
 } // namespace taut

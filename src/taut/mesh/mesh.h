@@ -50,6 +50,9 @@ struct Mesh {
     std::vector<Index> cornerUvs;
     std::vector<Vec4> tangents; ///< glTF TANGENT: unit xyz in object space, w = handedness (bitangent = w * cross(n, t))
     std::vector<Index> cornerTangents;
+    /// Gloss that `taut export` stored: a, b, d of M at each tangent, in the frame (tangent, cross(normal, tangent), normal).
+    /// It takes the place of a material's alpha and rotation. [tangents]; empty: none.
+    std::vector<Vec3> storedM;
 
     std::vector<Index> faceMaterials;       ///< [faces], into materialNames; empty: material slot 0
     std::vector<std::string> materialNames; ///< as the file calls them; may be empty

@@ -6,10 +6,12 @@
 /// OpenMesh the checked content in the dialect that OpenMesh reads right: binary little-endian PLY or STL, header and all.
 
 #include "taut/base/error.h"
+#include "taut/base/vec.h"
 
 #include <cstddef>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace taut {
 
@@ -19,6 +21,8 @@ struct CheckedFile {
     std::size_t faces = 0; ///< in the file, degenerate ones included
     bool hasNormals = false;
     bool hasUvs = false;
+    std::vector<Vec3> storedM{}; ///< [vertices] of a .ply of `taut export`, with its tangents; else empty
+    std::vector<Vec4> tangents{};
 };
 
 /// Each throws InputError at the first mistake. `warnings`: what is left over after the last element.

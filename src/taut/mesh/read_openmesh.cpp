@@ -125,6 +125,11 @@ Mesh parse(OpenMesh::IO::BaseReader &reader, CheckedFile checked, const std::str
     Mesh mesh = std::move(importer.mesh);
     if (checked.hasNormals) mesh.cornerNormals = mesh.cornerPositions;
     if (checked.hasUvs) mesh.cornerUvs = mesh.cornerPositions;
+    if (!checked.storedM.empty()) {
+        mesh.storedM = std::move(checked.storedM);
+        mesh.tangents = std::move(checked.tangents);
+        mesh.cornerTangents = mesh.cornerPositions;
+    }
     return mesh;
 }
 

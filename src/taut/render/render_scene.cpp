@@ -1,6 +1,7 @@
 #include "taut/render/render_scene.h"
 
 #include "taut/base/stopwatch.h"
+#include "taut/deform/stored_gloss.h"
 
 #include <algorithm>
 
@@ -10,6 +11,19 @@ namespace {
 
 /// Rays a sample needs, about: what the BVH policy reckons with.
 constexpr double kRaysPerSample = 2.5;
+
+/// Poisson ratio of the material at each render vertex; where faces of several meet, one of theirs.
+std::vector<float> poissonOfVertices(const Scene &scene, const ObjectSurface &object) {
+    const Surface &surface = object.surface;
+    std::vector<float> out(surface.vertexCount(), 0.0F);
+    for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+        const Index slot = surface.triangleSlots.empty() ? 0 : surface.triangleSlots[t];
+        const std::vector<Index> &materials = object.object->materials;
+        const float poisson = scene.materials[materials[std::min<std::size_t>(slot, materials.size() - 1)]].poisson;
+        for (int k = 0; k < 3; ++k) out[surface.triangles[t][k]] = poisson;
+    }
+    return out;
+}
 
 bool emits(const Object &object) {
     return object.emission.value != Vec3(0);
@@ -63,6 +77,7 @@ RenderScene::RenderScene(const Scene &scene, ScenePlan plan, bool animated)
         const bool blurred = scene.render.shutter > 0 && moves(object);
         const std::size_t steps = blurred ? static_cast<std::size_t>(scene.render.motionSteps) : 1;
         prepareRenderObject(object, scene.render, plan_.meshes[i], steps, objects_[i]);
+        if (hasStoredGloss(objects_[i].mesh(), objects_[i].surface)) objects_[i].storedPoisson = poissonOfVertices(scene, objects_[i]);
     }
 }
 

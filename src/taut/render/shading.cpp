@@ -50,7 +50,10 @@ Bsdf makeBsdf(const PreparedMaterial &prepared, const Scene &scene, const Surfac
     }
     bsdf.diffuseEscape = prepared.coatEscape;
     const bool leans = point.object->object->lean;
-    bsdf.micro = transformAt(material, scene, uv, point.stretch, point.tangent, sense, leans ? &point.lean : nullptr);
+    // Stored gloss comes as sqrt(M M^T) in the place of V.
+    bsdf.micro = point.object->storedPoisson.empty()
+                     ? transformAt(material, scene, uv, point.stretch, point.tangent, sense, leans ? &point.lean : nullptr)
+                     : microTransform(point.stretch.x, point.stretch.y, point.stretch.y, point.stretch.z);
     if (material.type == MaterialType::Conductor || material.type == MaterialType::Dielectric)
         bsdf.multiscatter = multiscatterAt(prepared, bsdf);
     return bsdf;

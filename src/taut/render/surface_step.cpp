@@ -4,6 +4,7 @@
 #include "taut/base/parallel.h"
 #include "taut/base/stopwatch.h"
 #include "taut/deform/face_gradient.h"
+#include "taut/deform/stored_gloss.h"
 
 namespace taut {
 
@@ -27,19 +28,6 @@ SymmetricTensor operator+(const SymmetricTensor &a, const SymmetricTensor &b) {
     return {a.diagonal + b.diagonal, a.offDiagonal + b.offDiagonal};
 }
 
-/// F n0 as M takes it: one over its length along the normal, and its tangential part over that length. No lean where space has
-/// collapsed onto the surface.
-struct Lean {
-    float inverseLambda = 1;
-    Vec3 tangential{0};
-};
-Lean leanOf(const Vec3 &normalImage, const Vec3 &n) {
-    const float along = glm::dot(normalImage, n);
-    const float lambda = std::fabs(along);
-    if (!(lambda > 1e-6F * glm::length(normalImage))) return {};
-    return {1 / lambda, (normalImage - n * along) / along};
-}
-
 struct VertexGradient {
     Vec3 ds, dt, n;
 };
@@ -56,7 +44,8 @@ void fillStep(RenderObject &object, SurfaceStep &out) {
     const Surface &surface = object.surface;
     const std::size_t count = surface.vertexCount();
     resizeStep(out, count);
-    const bool follows = object.object->follow && plan.stretch != StretchModel::Constant;
+    const bool stored = !object.storedPoisson.empty();
+    const bool follows = stored || (object.object->follow && plan.stretch != StretchModel::Constant);
     const bool perVertex = follows && plan.stretch != StretchModel::Uniform && plan.estimator != GradientEstimator::Face;
     const bool vectors = perVertex && plan.interpolation == GradientInterpolation::DsDt;
     const bool tensors = perVertex && !object.stretchOnFaces() && !vectors;
@@ -88,13 +77,17 @@ void fillStep(RenderObject &object, SurfaceStep &out) {
             out.ds[v] = g.ds * scale;
             out.dt[v] = g.dt * scale;
         } else if (tensors) {
-            const SymmetricTensor v3 = polar.stretch * scale;
-            if (plan.interpolation == GradientInterpolation::Stretch) {
-                out.stretch[v] = v3;
-            } else {
-                const Frame frame = smoothFrameFromNormal(g.n);
-                out.stretch[v] = encodeStretch(plan.interpolation, v3, frame.s, frame.t, g.n);
+            SymmetricTensor stretch = polar.stretch * scale;
+            if (stored) {
+                const StoredColumns m =
+                    storedColumns(object.mesh(), surface, v, g.ds, g.dt, g.n, object.object->follow, object.storedPoisson[v]);
+                stretch = polarGradient(m.x, m.y, g.n).stretch;
             }
+            if (plan.interpolation != GradientInterpolation::Stretch) {
+                const Frame frame = smoothFrameFromNormal(g.n);
+                stretch = encodeStretch(plan.interpolation, stretch, frame.s, frame.t, g.n);
+            }
+            out.stretch[v] = stretch;
         }
     });
     if (!follows) return;
@@ -151,11 +144,17 @@ bool moveRigid(RenderObject &object, std::size_t step, double frame, double fps,
 
 void prepareRenderObject(const Object &object, const RenderSettings &render, const MeshPlan &plan, std::size_t steps, RenderObject &out) {
     out.plan = plan;
-    out.rigid = isRigid(object);
+    const bool stored = !object.mesh->storedM.empty();
+    out.rigid = isRigid(object) && !stored;
+    if (stored) { // M is per vertex whatever moves; its square root is what is interpolated
+        out.plan.stretch = StretchModel::PerVertex;
+        out.plan.interpolation = GradientInterpolation::Stretch;
+        if (out.plan.estimator == GradientEstimator::Face) out.plan.estimator = defaultEstimator(object);
+    }
     out.steps.resize(steps);
-    prepareObjectSurface(object, render.fps, plan.estimator, out);
+    prepareObjectSurface(object, render.fps, out.plan.estimator, out);
     const Surface &surface = out.surface;
-    if (plan.estimator == GradientEstimator::Face && !out.rigid) {
+    if (out.plan.estimator == GradientEstimator::Face && !out.rigid) {
         std::vector<Vec3> rest(surface.vertexCount());
         for (std::size_t v = 0; v < rest.size(); ++v)
             rest[v] = surface.restFromObject * out.mesh().positions[surface.surfacePosition[surface.vertexSurface[v]]];

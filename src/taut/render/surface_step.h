@@ -29,6 +29,9 @@ struct RenderObject : ObjectSurface {
     std::vector<Vec4> restTangents; ///< [vertices] rest space, with their sense
     std::vector<Affine> placed;     ///< [steps]
 
+    /// [vertices] of a mesh with a stored M, else empty. Then `stretch` of a step is sqrt(M M^T), and the material's alpha has no say.
+    std::vector<float> storedPoisson;
+
     std::vector<Vec3> metrics; ///< [triangles] of the estimator Face, restMetrics()
 
     /// Whether `stretch` holds one tensor a triangle.

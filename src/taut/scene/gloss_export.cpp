@@ -2,7 +2,7 @@
 
 #include "taut/base/error.h"
 #include "taut/base/parallel.h"
-#include "taut/deform/stretch.h"
+#include "taut/deform/stored_gloss.h"
 #include "taut/scene/material_gloss.h"
 
 #include <array>
@@ -118,6 +118,8 @@ void glossAtFrame(const Scene &scene, double frame, const GlossOptions &options,
     }
     const Mat3 objectFromRest = glm::inverse(surface.restFromObject);
     const bool follows = object.follow && !out.rigid;
+    const bool leans = follows && object.lean && !out.surface.gradient.normalImage.empty();
+    const bool stored = hasStoredGloss(out.surface.mesh(), surface);
     std::atomic<std::size_t> clipped{0};
     parallelFor(out.sources.size(), kGrain, [&](std::size_t v) {
         const Index source = out.sources[v];
@@ -132,8 +134,20 @@ void glossAtFrame(const Scene &scene, double frame, const GlossOptions &options,
         const auto [vss, vst, vtt] =
             std::array{glm::dot(s, polar.stretch.times(s)), glm::dot(t, polar.stretch.times(s)), glm::dot(t, polar.stretch.times(t))};
         const Vec2 turned = object.follow ? Vec2(glm::dot(s, Vec3(polar.tangent)), glm::dot(t, Vec3(polar.tangent))) : Vec2(1, 0);
-        const MicroTransform m = transformAt(scene.materials[out.materials[v]], scene, mesh.uvs.empty() ? Vec2(0) : mesh.uvs[v],
-                                             follows ? Vec3(vss, vst, vtt) : Vec3(1, 0, 1), turned, polar.tangent.w);
+        const Material &material = scene.materials[out.materials[v]];
+        Vec3 stretch = follows ? Vec3(vss, vst, vtt) : Vec3(1, 0, 1);
+        Vec2 column(0);
+        if (leans) {
+            const Lean lean = leanOf(out.surface.gradient.normalImage[surface.vertexSurface[source]], n);
+            stretch *= lean.inverseLambda;
+            column = {glm::dot(s, lean.tangential), glm::dot(t, lean.tangential)};
+        }
+        MicroTransform m = transformAt(material, scene, mesh.uvs.empty() ? Vec2(0) : mesh.uvs[v], stretch, turned, polar.tangent.w,
+                                       object.lean ? &column : nullptr);
+        if (stored) {
+            const StoredColumns columns = storedColumns(out.surface.mesh(), surface, source, ds, dt, n, object.follow, material.poisson);
+            m = microTransform(glm::dot(s, columns.x), glm::dot(s, columns.y), glm::dot(t, columns.x), glm::dot(t, columns.y));
+        }
         mesh.positions[v] = from.positions[source];
         mesh.normals[v] = n;
         mesh.tangents[v] = Vec4(s, polar.tangent.w);

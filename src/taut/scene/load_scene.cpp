@@ -63,6 +63,9 @@ Scene loadScene(const std::string &path, const std::vector<std::string> &overrid
     if (const TomlValue *section = table.find("environment")) loadEnvironment(context, *section);
     if (!isLit(context.scene)) context.scene.environment = studioEnvironment();
     loadCamera(context, table.find("camera"), isGltfPath(path) ? path : "");
+    for (const Object &object : context.scene.objects)
+        if (object.subdivision.level > 0 && !object.mesh->storedM.empty())
+            context.warnings.add("mesh " + quoted(object.name) + ": its stored M is left out under subdivision");
     return std::move(context.scene);
 }
 
