@@ -116,4 +116,9 @@ TEST_CASE("conventions: what lies outside is clipped and said so", "[conventions
     CHECK_FALSE(toConvention(Convention::OpenPbr, {1.2F, 0.3F, 0}).clipped);
     CHECK_FALSE(toConvention(Convention::Khr, {1.0F, 1.0F, 0}).clipped);
     CHECK(toConvention(Convention::Khr, {1.0F, 1.0F, 0}).anisotropy == 0);
+    for (const ConventionInfo &info : kConventions) { // an isotropic one whose alphas are a rounding apart
+        const ConventionValues v = toConvention(info.convention, {0.2F, std::nextafter(0.2F, 1.0F), 0});
+        CHECK(std::isfinite(v.anisotropy));
+        CHECK_FALSE(v.clipped);
+    }
 }

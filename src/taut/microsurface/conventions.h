@@ -96,7 +96,7 @@ inline bool clipAlpha(const ConventionInfo &info, double &max, double &min) {
 /// In double: 1 - q and its likes lose digits, and must not lose more than the float that they end in.
 inline ConventionValues toConvention(Convention convention, const EquivalentAlpha &alpha) {
     double max = static_cast<double>(alpha.max);
-    double min = static_cast<double>(alpha.min);
+    double min = std::fmin(static_cast<double>(alpha.min), max); // isotropic ones may differ by a rounding
     ConventionValues out;
     out.clipped = detail::clipAlpha(conventionInfo(convention), max, min);
     const double q = max > 0 ? min / max : 1;
