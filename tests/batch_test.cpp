@@ -93,7 +93,7 @@ TEST_CASE("Batches evaluate and weigh as the scalar functions do", "[batch]") {
             const Vec3 &wo = hits.wo[i];
             const Vec3 &wi = hits.wi[i];
             if (!(wi.z > 0)) continue;
-            const float density = ggx::distribution(m, wo + wi);
+            const float density = ggx::distribution(m, wo, wi);
             const float lengthO = ggx::stretchedLength(m, wo);
             const float lengthI = ggx::stretchedLength(m, wi);
             const float area = ggx::visibleArea(m, wo, lengthO);
@@ -158,7 +158,7 @@ TEST_CASE("A sampled reflection is that of the visible normal, with the density 
         if (pdf == 0 || smoothest < 0.05F) continue;
         const float length = ggx::stretchedLength(m, wo);
         const float base = k < 1 ? k * wo.z + length : ggx::visibleArea(m, wo, length);
-        if (std::fabs(pdf / (ggx::distribution(m, wo + wi) / (2 * base)) - 1) > 2e-4F) FAIL_CHECK("hit " << i << ", density " << pdf);
+        if (std::fabs(pdf / (ggx::distribution(m, wo, wi) / (2 * base)) - 1) > 2e-4F) FAIL_CHECK("hit " << i << ", density " << pdf);
     }
 }
 

@@ -127,7 +127,7 @@ void evaluateOurs(Data &d) {
         const MicroTransform &m = d.m[i];
         const Vec3 &wo = d.wo[i];
         const Vec3 &wi = d.wi[i];
-        const float density = ggx::distribution(m, wo + wi);
+        const float density = ggx::distribution(m, wo, wi);
         const float length = ggx::stretchedLength(m, wo);
         d.first[i] = density * ggx::visibility(wo.z, length, wi.z, ggx::stretchedLength(m, wi), true) * wi.z;
         d.second[i] = density * 0.5F / ggx::visibleArea(m, wo, length);
@@ -135,7 +135,7 @@ void evaluateOurs(Data &d) {
 }
 void sampleOurs(Data &d) {
     for (std::size_t i = 0; i < kHits; ++i) {
-        const ggx::Reflected r = ggx::sampleReflection(d.m[i], d.wo[i], d.u[i]);
+        const auto r = ggx::sampleReflection(d.m[i], d.wo[i], d.u[i]);
         d.out[i] = r.wi;
         d.first[i] = r.pdf;
     }

@@ -57,7 +57,7 @@ template <class Sampler> Tally run(const MicroTransform &m, const std::vector<Ve
     const auto take = [&](const Sampler &sampler, const Vec3 &wo, float length, const Vec2 &number) {
         const auto wi = sampler.sample(number);
         if (!wi) return;
-        const float density = ggx::distribution(m, wo + *wi);
+        const float density = ggx::distribution(m, wo, *wi);
         const float pdf = density * sampler.pdfScale();
         const float weight = density * ggx::visibility(wo.z, length, wi->z, ggx::stretchedLength(m, *wi), true) * wi->z / pdf;
         ++t.valid;

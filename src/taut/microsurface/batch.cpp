@@ -43,7 +43,7 @@ template <bool kCorrelated> TAUT_INLINE void evaluateLoop(const Evaluation &e) {
         const Vec3 wi = at(e.wi, i);
         const float lengthO = ggx::stretchedLength(m, wo);
         const float area = ggx::visibleArea(m, wo, lengthO);
-        const float density = ggx::distribution(m, wo + wi);
+        const float density = ggx::distribution(m, wo, wi);
         const float pdf = density * (0.5F / area);
         const float fCos = pdf * ggx::reflectionWeight(m, wo, wi, kCorrelated);
         e.fCos[i] = wi.z > 0 ? fCos : 0.0F;

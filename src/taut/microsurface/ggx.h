@@ -3,24 +3,26 @@
 /// accurate in float (docs/design.md, section 1). All directions are in local shading space, unit unless said; wo points to
 /// the viewer, wi to the light. BRDF values exclude the cosine. The transform is `m`, micro-normals are `wm`.
 ///
-/// Every function takes any real type; rendering is in float. Named forms to compare with: reference.h. Samplers: normal_samplers.h.
+/// Every function takes any real type; rendering is in float. They say `inline` because batch.h's loops need them to be. Named forms to
+/// compare with: reference.h. Samplers: normal_samplers.h.
 
 #include "taut/base/warp.h"
 #include "taut/microsurface/transform.h"
 
+#include <algorithm>
 #include <numbers>
 #include <optional>
 
 namespace taut::ggx {
 
 /// L(w) = |M^-1 w|, the length of a unit direction in standard space.
-template <class T> T stretchedLength(const BasicMicroTransform<T> &m, const Vector3<T> &w) {
+template <class T> inline T stretchedLength(const BasicMicroTransform<T> &m, const Vector3<T> &w) {
     return glm::length(m.inverse(w));
 }
 
 namespace detail {
 /// D of the normal h/|h|, with the one sum that cancels under shear, b h.x + d h.y, in numbers that hold its products exactly.
-template <class T> T distribution(const BasicMicroTransform<T> &m, Wider<T> x, Wider<T> y, Wider<T> z) {
+template <class T> inline T distribution(const BasicMicroTransform<T> &m, Wider<T> x, Wider<T> y, Wider<T> z) {
     const Vector3<T> s{m.a * T(x), T(m.b * x + m.d * y), m.p * T(x) + m.q * T(y) + T(z)};
     if (!(s.z > 0)) return 0;
     const Vector3<T> h{T(x), T(y), T(z)};
@@ -32,37 +34,37 @@ template <class T> T distribution(const BasicMicroTransform<T> &m, Wider<T> x, W
 
 /// D(h/|h|) from a normal of any length: det |h|^4 / (pi |M^T h|^4); zero where the normal faces down in standard space.
 /// Keeping h unnormalised is what keeps float accurate at small alpha.
-template <class T> T distribution(const BasicMicroTransform<T> &m, const Vector3<T> &h) {
+template <class T> inline T distribution(const BasicMicroTransform<T> &m, const Vector3<T> &h) {
     return detail::distribution<T>(m, h.x, h.y, h.z);
 }
 /// D at the half vector of wo and wi, of a sum that is not rounded before M^T: right to a few roundings for every M, where a rounded
 /// h is wrong by 4 % at a shear of 1000 and a stretch of 1e-3.
-template <class T> T distribution(const BasicMicroTransform<T> &m, const Vector3<T> &wo, const Vector3<T> &wi) {
+template <class T> inline T distribution(const BasicMicroTransform<T> &m, const Vector3<T> &wo, const Vector3<T> &wi) {
     using W = Wider<T>;
     return detail::distribution<T>(m, W(wo.x) + wi.x, W(wo.y) + wi.y, W(wo.z) + wi.z);
 }
 
 /// wo.z + L(wo) without cancellation for back-facing wo (|M^-1 wo|_xy^2 / (L - wo.z)); `length` = L(wo).
-template <class T> T visibleArea(const BasicMicroTransform<T> &m, const Vector3<T> &wo, T length) {
+template <class T> inline T visibleArea(const BasicMicroTransform<T> &m, const Vector3<T> &wo, T length) {
     if (wo.z >= 0) return wo.z + length;
     const Vector3<T> std = m.inverse(wo);
     return (std.x * std.x + std.y * std.y) / (length - wo.z);
 }
 
 /// Smith masking G1(w) = 2 |w.z| / (w.z + L(w)); for w.z < 0 the normalisation of Tokuyoshi 2021.
-template <class T> T masking(const BasicMicroTransform<T> &m, const Vector3<T> &w) {
+template <class T> inline T masking(const BasicMicroTransform<T> &m, const Vector3<T> &w) {
     return 2 * std::fabs(w.z) / visibleArea(m, w, stretchedLength(m, w));
 }
 
 /// Density of visible normals (solid angle): 2 <wo, wm> D(wm) / (wo.z + L(wo)). `h` may have any length.
-template <class T> T visibleNormalPdf(const BasicMicroTransform<T> &m, const Vector3<T> &wo, const Vector3<T> &h) {
+template <class T> inline T visibleNormalPdf(const BasicMicroTransform<T> &m, const Vector3<T> &wo, const Vector3<T> &h) {
     const T cosine = glm::dot(wo, h) / glm::length(h);
     return cosine > 0 ? 2 * cosine * distribution(m, h) / visibleArea(m, wo, stretchedLength(m, wo)) : T(0);
 }
 
 /// How far down the spherical cap of visible normals has to reach so that no reflection above the horizon is lost
 /// (Eto & Tokuyoshi 2023): the factor k of woStd.z; 1 where their bound does not apply.
-template <class T> T capBound(const BasicMicroTransform<T> &m, const Vector3<T> &wo) {
+template <class T> inline T capBound(const BasicMicroTransform<T> &m, const Vector3<T> &wo) {
     if (wo.z <= 0 || !m.upright()) return 1;
     // k = (1 - a^2) s^2 / (s^2 + a^2 wo.z^2), a^2 = min(1, determinant / larger), without dividing for a^2.
     const auto sigma = slopeTensor(m);
@@ -76,67 +78,68 @@ template <class T> T capBound(const BasicMicroTransform<T> &m, const Vector3<T> 
 /// A visible normal in standard space, not normalised: the sum of the standard view and a point on its spherical cap
 /// z in (-k woStd.z, 1], uniform (Dupuy & Benyoub 2023; k < 1: Eto & Tokuyoshi 2023).
 template <class T>
-Vector3<T> sampleCap(const BasicMicroTransform<T> &m, const Vector3<T> &wo, const Vector2<T> &u, std::type_identity_t<T> k) {
+inline Vector3<T> sampleCap(const BasicMicroTransform<T> &m, const Vector3<T> &wo, const Vector2<T> &u, std::type_identity_t<T> k) {
     const Vector3<T> o = glm::normalize(m.inverse(wo)); // woStd
     // Height of the cap; from below 1 + o.z without cancellation, or a smooth surface would leave nothing of it.
     const bool below = o.z < 0;
     const T height = below ? (o.x * o.x + o.y * o.y) / (1 - o.z) : 1 + k * o.z;
     const T depth = u.y * height;
-    const T r = std::sqrt(std::fmax(T(0), depth * (2 - depth)));
-    const Vector2<T> circle = unitCircle(u.x);
-    return {r * circle.x + o.x, r * circle.y + o.y, below ? height - depth : (1 - depth) + o.z};
+    const T r = std::sqrt(std::max(T(0), depth * (2 - depth)));
+    const Vector2<T> side = r * unitCircle(u.x);
+    return {side.x + o.x, side.y + o.y, below ? height - depth : (1 - depth) + o.z};
 }
 
 /// A visible normal (unit, local space) from such a cap. Density with k = 1: visibleNormalPdf.
 template <class T>
-Vector3<T> sampleVisibleNormal(const BasicMicroTransform<T> &m, const Vector3<T> &wo, const Vector2<T> &u, std::type_identity_t<T> k = 1) {
+inline Vector3<T> sampleVisibleNormal(const BasicMicroTransform<T> &m, const Vector3<T> &wo, const Vector2<T> &u,
+                                      std::type_identity_t<T> k = 1) {
     return glm::normalize(m.inverseTransposed(sampleCap(m, wo, u, k)));
 }
 
 /// A reflected direction and its density, which is 0 where it is below the horizon and the sample rejected.
-struct Reflected {
-    Vec3 wi;
-    float pdf;
+template <class T> struct ReflectionSample {
+    Vector3<T> wi;
+    T pdf;
 };
 /// The reflection of such a normal with the bound above: density D / (2 (k wo.z + L(wo))), or D / (2 (wo.z + L(wo))) for k = 1.
-inline Reflected sampleReflection(const MicroTransform &m, const Vec3 &wo, const Vec2 &u) {
-    const float k = capBound(m, wo);
-    const Vec3 hStd = sampleCap(m, wo, u, k);
-    const Vec3 h = m.inverseTransposed(hStd);
-    const float hh = glm::dot(h, h);
-    const Vec3 wi = (2 * glm::dot(wo, h) / hh) * h - wo;
-    const float length = stretchedLength(m, wo);
-    const float base = k < 1 ? k * wo.z + length : visibleArea(m, wo, length);
-    const float ratio = hh / glm::dot(hStd, hStd); // M^T h = hStd: D needs no more
-    const float pdf = m.det * (0.5F * kInvPi) * ratio * ratio / base;
-    return {wi, wi.z > 0 ? pdf : 0.0F};
+template <class T> inline ReflectionSample<T> sampleReflection(const BasicMicroTransform<T> &m, const Vector3<T> &wo, const Vector2<T> &u) {
+    const T k = capBound(m, wo);
+    const Vector3<T> hStd = sampleCap(m, wo, u, k);
+    const Vector3<T> h = m.inverseTransposed(hStd);
+    const T hh = glm::dot(h, h);
+    const Vector3<T> wi = (2 * glm::dot(wo, h) / hh) * h - wo;
+    const T length = stretchedLength(m, wo);
+    const T base = k < 1 ? k * wo.z + length : visibleArea(m, wo, length);
+    const T ratio = hh / glm::dot(hStd, hStd); // M^T h = hStd: D needs no more
+    const T pdf = m.det * (std::numbers::inv_pi_v<T> / 2) * ratio * ratio / base;
+    return {wi, wi.z > 0 ? pdf : T(0)};
 }
 
 /// G2 / (4 wo.z wi.z), the part of the BRDF that stays finite at grazing, for wo.z > 0 and wi.z > 0:
 /// correlated 1 / (2 (wo.z L(wi) + wi.z L(wo))), separable 1 / ((wo.z + L(wo)) (wi.z + L(wi))).
-template <class T> T visibility(T woZ, T lengthO, T wiZ, T lengthI, bool correlated) {
+template <class T> inline T visibility(T woZ, T lengthO, T wiZ, T lengthI, bool correlated) {
     return correlated ? 1 / (2 * (woZ * lengthI + wiZ * lengthO)) : 1 / ((woZ + lengthO) * (wiZ + lengthI));
 }
 
 /// Weight f cos / pdf of visible-normal reflection at F = 1, G2 / G1(wo), for wi.z > 0; for wo below the horizon G1(wi)
 /// (Tokuyoshi 2021).
-inline float reflectionWeight(const MicroTransform &m, const Vec3 &wo, const Vec3 &wi, bool correlated) {
-    const float lengthI = stretchedLength(m, wi);
+template <class T> inline T reflectionWeight(const BasicMicroTransform<T> &m, const Vector3<T> &wo, const Vector3<T> &wi, bool correlated) {
+    const T lengthI = stretchedLength(m, wi);
     if (!correlated || !(wo.z > 0)) return 2 * wi.z / (wi.z + lengthI);
-    const float lengthO = stretchedLength(m, wo);
+    const T lengthO = stretchedLength(m, wo);
     return wi.z * (wo.z + lengthO) / (wo.z * lengthI + wi.z * lengthO);
 }
 
 /// G2 for directions on opposite or equal sides of the surface, |w.z| used. Separable G1 G1; correlated: same side
 /// 1 / (1 + Lo + Li), opposite sides Beta(1 + Lo, 1 + Li) (Heitz et al. 2016).
-template <class T> T shadowing(T lambdaO, T lambdaI, bool sameSide, bool correlated) {
+template <class T> inline T shadowing(T lambdaO, T lambdaI, bool sameSide, bool correlated) {
     if (!correlated) return 1 / ((1 + lambdaO) * (1 + lambdaI));
     if (sameSide) return 1 / (1 + lambdaO + lambdaI);
     return std::exp(std::lgamma(1 + lambdaO) + std::lgamma(1 + lambdaI) - std::lgamma(2 + lambdaO + lambdaI));
 }
 
 /// Lambda(w) = (L(w)/|w.z| - 1) / 2.
-template <class T> T lambda(const BasicMicroTransform<T> &m, const Vector3<T> &w) {
+template <class T> inline T lambda(const BasicMicroTransform<T> &m, const Vector3<T> &w) {
     const T z = std::fabs(w.z);
     const Vector3<T> s = m.inverse(w);
     // L - z without cancellation: xy^2 / (L + z).
