@@ -201,7 +201,11 @@ nlohmann::json writeFalseColours(const InfoArguments &arguments, const Scene &sc
 
 int info(const InfoArguments &arguments) {
     const auto threads = limitThreads(arguments.scene.threads);
-    const Scene scene = loadScene(arguments.scene, false);
+    Scene scene = loadScene(arguments.scene, false);
+    if (!arguments.falseColour.empty()) { // surfaces alone
+        if (scene.environment) scene.environment->cameraVisible = false;
+        for (Light &light : scene.lights) light.cameraVisible = false;
+    }
     RenderScene ready(scene, planFor(scene, arguments.model), scene.render.frames.size() > 1);
     nlohmann::json result = describe(arguments, scene, ready);
     if (!arguments.falseColour.empty()) result["false_colour"] = writeFalseColours(arguments, scene, ready);
