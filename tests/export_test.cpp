@@ -74,7 +74,7 @@ CommandResult exportIn(const std::string &folder, Arguments arguments) {
 /// An interpreter that has numpy; empty where there is none.
 std::string pythonWithNumpy() {
     for (const std::string python : {"python3", "/usr/bin/python3"})
-        if (runProgram({python, "-c", "import numpy"}, 60).exitCode == 0) return python;
+        if (runProgram({python, "-c", "import numpy; numpy.load"}, 60).exitCode == 0) return python;
     std::cout << "SKIPPED: there is no python3 with numpy on this machine" << std::endl;
     return "";
 }
