@@ -31,7 +31,7 @@ struct Choice {
 
 /// One question of the plan: its choices from the cheapest to the dearest, and the one taken.
 struct Question {
-    std::string name; ///< "stretch", "gradient", "interpolation", "multiscatter", "bvh"
+    std::string name; ///< "stretch", "interpolation" or "gradient"
     std::string unit; ///< of the costs
     std::vector<Choice> choices;
     std::size_t taken = 0;
