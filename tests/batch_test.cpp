@@ -55,10 +55,10 @@ struct Hits {
     static batch::Vectors vectors(const std::array<Floats, 3> &v) { return {v[0].data(), v[1].data(), v[2].data()}; }
 };
 
-std::vector<batch::Instructions> available() {
-    std::vector<batch::Instructions> all;
-    for (const auto i : {batch::Instructions::Sse2, batch::Instructions::Avx2, batch::Instructions::Avx512})
-        if (batch::has(i)) all.push_back(i);
+std::vector<Instructions> available() {
+    std::vector<Instructions> all;
+    for (const auto i : {Instructions::Sse2, Instructions::Avx2, Instructions::Avx512})
+        if (has(i)) all.push_back(i);
     return all;
 }
 
@@ -166,11 +166,11 @@ TEST_CASE("Batches of any length write what they should and no more", "[batch]")
     const Hits hits;
     Floats whole(70);
     Floats ignored(70);
-    const auto call = [&](std::size_t n, float *fCos, batch::Instructions instructions) {
+    const auto call = [&](std::size_t n, float *fCos, Instructions instructions) {
         batch::evaluate(hits.transforms(), Hits::vectors(hits.outgoing), Hits::vectors(hits.incoming), n, true, fCos, ignored.data(),
                         instructions);
     };
-    call(70, whole.data(), batch::Instructions::Sse2);
+    call(70, whole.data(), Instructions::Sse2);
     for (const auto instructions : available())
         for (std::size_t n = 0; n <= 69; ++n) {
             Floats part(70, -1);
@@ -178,5 +178,5 @@ TEST_CASE("Batches of any length write what they should and no more", "[batch]")
             CHECK(std::equal(part.begin(), part.begin() + static_cast<std::ptrdiff_t>(n), whole.begin()));
             CHECK(std::all_of(part.begin() + static_cast<std::ptrdiff_t>(n), part.end(), [](float x) { return x == -1; }));
         }
-    CHECK(batch::has(batch::widest()));
+    CHECK(has(widest()));
 }

@@ -78,11 +78,14 @@ TEST_CASE("A rigid mesh carries no tensors and is left alone where it stands", "
     const RenderObject &object = ready.objects()[0];
     CHECK(object.steps[0].stretch.empty());
     CHECK(object.gradient.f1.empty());
-    const std::vector<Vec3> first = object.steps[0].positions;
+    REQUIRE(object.placements.size() == 1);
+    const std::vector<Vec3> local = object.steps[0].positions;
+    const Affine first = object.placements[0];
     ready.setFrame(1, times);
-    CHECK(std::equal(first.begin(), first.end() - 1, object.steps[0].positions.begin()));
+    CHECK(first == object.placements[0]);
     ready.setFrame(2, times);
-    CHECK(!std::equal(first.begin(), first.end() - 1, object.steps[0].positions.begin()));
+    CHECK(first != object.placements[0]);
+    CHECK(local == object.steps[0].positions);
     // The same frames through the general path: a deformer that does next to nothing.
     scene.objects[0].deformers = {[] {
         DeformerKeys keys;
@@ -93,9 +96,12 @@ TEST_CASE("A rigid mesh carries no tensors and is left alone where it stands", "
     RenderScene general(scene, true);
     general.setFrame(2, times);
     for (std::size_t v = 0; v < object.steps[0].normals.size(); ++v) {
-        CHECK(glm::distance(object.steps[0].positions[v], general.objects()[0].steps[0].positions[v]) < 2e-6F);
-        CHECK(glm::distance(object.steps[0].normals[v], general.objects()[0].steps[0].normals[v]) < 1e-5F);
-        CHECK(glm::distance(object.steps[0].tangents[v], general.objects()[0].steps[0].tangents[v]) < 1e-5F);
+        const Affine &m = object.placements[0];
+        const SurfaceStep &own = object.steps[0];
+        const SurfaceStep &there = general.objects()[0].steps[0];
+        CHECK(glm::distance(transformPoint(m, own.positions[v]), there.positions[v]) < 2e-6F);
+        CHECK(glm::distance(transformVector(m, own.normals[v]), there.normals[v]) < 1e-5F);
+        CHECK(glm::distance(Vec4(transformVector(m, Vec3(own.tangents[v])), own.tangents[v].w), there.tangents[v]) < 1e-5F);
     }
 }
 

@@ -158,7 +158,7 @@ struct Row {
     std::vector<double> times[3];
 };
 
-Row batchRow(const char *name, Data &data, batch::Instructions i) {
+Row batchRow(const char *name, Data &data, Instructions i) {
     return {
         name,
         &data,
@@ -185,9 +185,9 @@ int main() {
                           {"M diagonal", &diagonal, {evaluateOurs, sampleOurs, weighOurs}, {}},
                           {"M skewed", &skewed, {evaluateOurs, sampleOurs, weighOurs}, {}},
                           {"M leaning", &leaning, {evaluateOurs, sampleOurs, weighOurs}, {}},
-                          batchRow("M leaning, batch SSE2", leaning, batch::Instructions::Sse2)};
-    if (batch::has(batch::Instructions::Avx2)) rows.push_back(batchRow("M leaning, batch AVX2", leaning, batch::Instructions::Avx2));
-    if (batch::has(batch::Instructions::Avx512)) rows.push_back(batchRow("M leaning, batch AVX-512", leaning, batch::Instructions::Avx512));
+                          batchRow("M leaning, batch SSE2", leaning, Instructions::Sse2)};
+    if (has(Instructions::Avx2)) rows.push_back(batchRow("M leaning, batch AVX2", leaning, Instructions::Avx2));
+    if (has(Instructions::Avx512)) rows.push_back(batchRow("M leaning, batch AVX-512", leaning, Instructions::Avx512));
     for (int round = 0; round < kRounds; ++round)
         for (Row &row : rows)
             for (std::size_t k = 0; k < 3; ++k) {

@@ -133,7 +133,7 @@ int main() {
     const Subdivision subdivision = subdivide(cage, object.subdivision);
     std::vector<Vec3> limit;
     RenderObject whole;
-    prepareRenderObject(object, scene.render, defaultPlan(scene).meshes[0], 1, whole);
+    prepareRenderObject(object, scene.render, defaultPlan(scene).meshes[0], 1, true, whole);
     const std::size_t vertices = whole.surface.normals.size();
     double ignored = 0;
     moveObject(whole, 0, 1, scene.render.fps, DMat4(1), ignored, ignored);

@@ -46,21 +46,18 @@ inline PolarGradient polarGradient(const Vec3 &ds, const Vec3 &dt, const Vec3 &n
     const float hand = signedArea < 0 ? -1.0F : 1.0F;
     const float area = std::fabs(signedArea);
     const float tau = std::sqrt(glm::dot(ds, ds) + glm::dot(dt, dt) + 2 * area);
-    PolarGradient polar;
-    if (!(tau > 0)) {
-        polar.stretch = {Vec3(0), Vec3(0)};
-        polar.tangent = {1, 0, 0, hand};
-        return polar;
-    }
-    const float inverse = 1 / tau;
+    // Selections, not branches: loops over many vertices are vectorised (polar_batch.h). A vanishing gradient has V = 0.
+    const float inverse = tau > 0 ? 1 / tau : 0.0F;
     // (ds ds^T + dt dt^T + area (I - n n^T)) / tau + sqrt(area) n n^T
     const float along = std::sqrt(area) - area * inverse;
+    PolarGradient polar;
     polar.stretch.diagonal = (ds * ds + dt * dt + Vec3(area)) * inverse + n * n * along;
     const auto mixed = [&](int i, int j) { return (ds[i] * ds[j] + dt[i] * dt[j]) * inverse + n[i] * n[j] * along; };
     polar.stretch.offDiagonal = {mixed(0, 1), mixed(0, 2), mixed(1, 2)};
     const Vec3 rotated = ds + glm::cross(dt, n) * hand;
-    const float length = glm::length(rotated);
-    polar.tangent = length > 0 ? Vec4(rotated / length, hand) : Vec4(1, 0, 0, hand);
+    const float length = std::sqrt(glm::dot(rotated, rotated));
+    const float scale = length > 0 ? 1 / length : 0.0F;
+    polar.tangent = {length > 0 ? rotated.x * scale : 1.0F, rotated.y * scale, rotated.z * scale, hand};
     return polar;
 }
 

@@ -26,6 +26,18 @@ inline Vec3 transformVector(const Affine &m, const Vec3 &v) {
     return m[0] * v.x + m[1] * v.y + m[2] * v.z;
 }
 
+/// Between equally spaced maps, entry by entry; `time` in 0 to 1.
+inline Affine affineAt(std::span<const Affine> maps, float time) {
+    if (maps.size() == 1) return maps[0];
+    const std::size_t last = maps.size() - 1;
+    const float at = time * static_cast<float>(last);
+    const std::size_t before = static_cast<std::size_t>(at) < last ? static_cast<std::size_t>(at) : last - 1;
+    const float u = at - static_cast<float>(before);
+    Affine m;
+    for (int c = 0; c < 4; ++c) m[c] = glm::mix(maps[before][c], maps[before + 1][c], u);
+    return m;
+}
+
 /// What moves one mesh at one time. Where there are no deformers, `joints` and `carrier` lead straight into render space.
 struct MotionState {
     std::span<const Vec3> control;   ///< object space, [positions]

@@ -86,60 +86,26 @@ TAUT_INLINE void sampleLoop(const Sampling &s) {
         [[gnu::flatten __VA_ARGS__]] static void sample(const Sampling &s) { sampleLoop(s); }                                              \
     };
 
-TAUT_LOOPS(Baseline)
-#if defined(__x86_64__)
-TAUT_LOOPS(Avx2, , gnu::target("avx2"))
-TAUT_LOOPS(Avx512, , gnu::target("avx512f,avx512vl,avx512dq,avx512bw,prefer-vector-width=512"))
-
-template <class Call> void run(Instructions instructions, const Call &call) {
-    if (instructions == Instructions::Avx512 && has(instructions)) return call(Avx512{});
-    if (instructions == Instructions::Avx2 && has(instructions)) return call(Avx2{});
-    call(Baseline{});
-}
-#else
-template <class Call> void run(Instructions, const Call &call) {
-    call(Baseline{});
-}
-#endif
+TAUT_FOR_INSTRUCTION_SETS(TAUT_LOOPS)
 
 } // namespace
-
-bool has(Instructions instructions) {
-#if defined(__x86_64__)
-    switch (instructions) {
-    case Instructions::Sse2: return true;
-    case Instructions::Avx2: return __builtin_cpu_supports("avx2") != 0;
-    case Instructions::Avx512:
-        return __builtin_cpu_supports("avx512f") != 0 && __builtin_cpu_supports("avx512vl") != 0 &&
-               __builtin_cpu_supports("avx512dq") != 0 && __builtin_cpu_supports("avx512bw") != 0;
-    }
-#endif
-    return instructions == Instructions::Sse2;
-}
-
-Instructions widest() {
-    static const Instructions best = has(Instructions::Avx512) ? Instructions::Avx512
-                                     : has(Instructions::Avx2) ? Instructions::Avx2
-                                                               : Instructions::Sse2;
-    return best;
-}
 
 void evaluate(const Transforms &m, const Vectors &wo, const Vectors &wi, std::size_t count, bool correlated, float *fCos, float *pdf,
               Instructions instructions) {
     const Evaluation e{m, wo, wi, count, correlated, fCos, pdf, nullptr};
-    run(instructions, [&](auto loops) { decltype(loops)::evaluate(e); });
+    onInstructions(instructions, [&](auto loops) { decltype(loops)::evaluate(e); });
 }
 
 void weight(const Transforms &m, const Vectors &wo, const Vectors &wi, std::size_t count, bool correlated, float *weights,
             Instructions instructions) {
     const Evaluation e{m, wo, wi, count, correlated, nullptr, nullptr, weights};
-    run(instructions, [&](auto loops) { decltype(loops)::weight(e); });
+    onInstructions(instructions, [&](auto loops) { decltype(loops)::weight(e); });
 }
 
 void sample(const Transforms &m, const Vectors &wo, const float *ux, const float *uy, std::size_t count, const VectorsOut &wi, float *pdf,
             Instructions instructions) {
     const Sampling s{m, wo, ux, uy, count, wi, pdf};
-    run(instructions, [&](auto loops) { decltype(loops)::sample(s); });
+    onInstructions(instructions, [&](auto loops) { decltype(loops)::sample(s); });
 }
 
 } // namespace taut::batch

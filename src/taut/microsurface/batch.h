@@ -6,6 +6,7 @@
 /// Arrays hold `count` floats each and may be the same only where a call reads and does not write them. Directions are unit, in local
 /// shading space.
 
+#include "taut/base/instructions.h"
 #include "taut/microsurface/transform.h"
 
 #include <cstddef>
@@ -23,12 +24,6 @@ struct VectorsOut {
 struct Transforms {
     const float *a, *b, *d, *p, *q;
 };
-
-enum class Instructions { Sse2, Avx2, Avx512 };
-/// Whether this machine and this build have them.
-bool has(Instructions instructions);
-/// The widest that there are.
-Instructions widest();
 
 /// f cos into `fCos` and the density of visible-normal reflection, D / (2 (wo.z + L(wo))), into `pdf`; both 0 where wi.z <= 0.
 /// `correlated`: height-correlated masking, else separable. A wo below the horizon has the weight G1(wi) (Tokuyoshi 2021).

@@ -37,9 +37,9 @@ void intersectPacket(RTCScene scene, std::span<const Ray> rays, std::size_t begi
         hit.t = packet.ray.tfar[i];
         hit.u = packet.hit.u[i];
         hit.v = packet.hit.v[i];
-        hit.geometry = packet.hit.geomID[i];
+        const unsigned instance = packet.hit.instID[0][i];
+        hit.geometry = instance == RTC_INVALID_GEOMETRY_ID ? packet.hit.geomID[i] : instance;
         hit.primitive = packet.hit.primID[i];
-        hit.normal = {packet.hit.Ng_x[i], packet.hit.Ng_y[i], packet.hit.Ng_z[i]};
     }
 }
 
@@ -49,7 +49,10 @@ struct EmbreeScene::State {
     RTCDevice device = nullptr;
     RTCScene scene = nullptr;
     bool dynamic = false;
-    std::vector<unsigned> steps; ///< [geometries] times in the shutter
+    std::vector<RTCScene> instanced; ///< the BVHs behind instances
+    std::vector<unsigned> steps;     ///< [geometries] times in the shutter
+
+    Index attach(RTCGeometry geometry, std::size_t times);
 };
 
 EmbreeScene::EmbreeScene(bool dynamic) : state_(std::make_unique<State>()) {
@@ -65,25 +68,63 @@ EmbreeScene::EmbreeScene(bool dynamic) : state_(std::make_unique<State>()) {
 }
 
 EmbreeScene::~EmbreeScene() {
+    for (RTCScene scene : state_->instanced) rtcReleaseScene(scene);
     if (state_->scene != nullptr) rtcReleaseScene(state_->scene);
     if (state_->device != nullptr) rtcReleaseDevice(state_->device);
 }
 
-Index EmbreeScene::addTriangles(const std::vector<std::span<const Vec3>> &positions, std::span<const Index3> triangles) {
-    RTCGeometry geometry = rtcNewGeometry(state_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+namespace {
+
+RTCGeometry triangleGeometry(RTCDevice device, const std::vector<std::span<const Vec3>> &positions, std::span<const Index3> triangles,
+                             RTCBuildQuality quality) {
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
     rtcSetGeometryTimeStepCount(geometry, static_cast<unsigned>(positions.size()));
     for (std::size_t step = 0; step < positions.size(); ++step)
         rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, static_cast<unsigned>(step), RTC_FORMAT_FLOAT3, positions[step].data(),
                                    0, sizeof(Vec3), positions[step].size() - 1);
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, triangles.data(), 0, sizeof(Index3), triangles.size());
-    const bool refits = state_->dynamic && positions.size() == 1;
-    rtcSetGeometryBuildQuality(geometry, refits ? RTC_BUILD_QUALITY_REFIT : RTC_BUILD_QUALITY_MEDIUM);
+    rtcSetGeometryBuildQuality(geometry, quality);
     rtcCommitGeometry(geometry);
-    const Index id = rtcAttachGeometry(state_->scene, geometry);
+    return geometry;
+}
+
+} // namespace
+
+Index EmbreeScene::State::attach(RTCGeometry geometry, std::size_t times) {
+    const Index id = rtcAttachGeometry(scene, geometry);
     rtcReleaseGeometry(geometry);
-    state_->steps.resize(std::max<std::size_t>(state_->steps.size(), id + 1));
-    state_->steps[id] = static_cast<unsigned>(positions.size());
+    steps.resize(std::max<std::size_t>(steps.size(), id + 1));
+    steps[id] = static_cast<unsigned>(times);
     return id;
+}
+
+Index EmbreeScene::addTriangles(const std::vector<std::span<const Vec3>> &positions, std::span<const Index3> triangles) {
+    const bool refits = state_->dynamic && positions.size() == 1;
+    const RTCBuildQuality quality = refits ? RTC_BUILD_QUALITY_REFIT : RTC_BUILD_QUALITY_MEDIUM;
+    return state_->attach(triangleGeometry(state_->device, positions, triangles, quality), positions.size());
+}
+
+Index EmbreeScene::addInstance(std::span<const Vec3> positions, std::span<const Index3> triangles,
+                               std::span<const Affine> renderFromLocal) {
+    RTCScene own = rtcNewScene(state_->device);
+    state_->instanced.push_back(own);
+    RTCGeometry triangleMesh = triangleGeometry(state_->device, {positions}, triangles, RTC_BUILD_QUALITY_MEDIUM);
+    rtcAttachGeometry(own, triangleMesh);
+    rtcReleaseGeometry(triangleMesh);
+    rtcCommitScene(own);
+    RTCGeometry instance = rtcNewGeometry(state_->device, RTC_GEOMETRY_TYPE_INSTANCE);
+    rtcSetGeometryInstancedScene(instance, own);
+    rtcSetGeometryTimeStepCount(instance, static_cast<unsigned>(renderFromLocal.size()));
+    const Index id = state_->attach(instance, renderFromLocal.size());
+    place(id, renderFromLocal);
+    return id;
+}
+
+void EmbreeScene::place(Index geometry, std::span<const Affine> renderFromLocal) {
+    RTCGeometry instance = rtcGetGeometry(state_->scene, geometry);
+    for (unsigned step = 0; step < state_->steps[geometry]; ++step)
+        rtcSetGeometryTransform(instance, step, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, &renderFromLocal[step][0][0]);
+    rtcCommitGeometry(instance);
 }
 
 void EmbreeScene::update(Index geometry, bool rebuild) {

@@ -1,6 +1,7 @@
 #pragma once
 /// The Embree scene of a render: made once, its vertex buffers updated every frame.
 
+#include "taut/deform/surface_motion.h"
 #include "taut/render/ray_batch.h"
 
 #include <memory>
@@ -22,8 +23,16 @@ class EmbreeScene {
     /// its geometry number.
     Index addTriangles(const std::vector<std::span<const Vec3>> &positions, std::span<const Index3> triangles);
 
-    /// Says that a geometry's positions have changed. Its BVH is refitted, or built anew where that is asked for, where the scene
-    /// is not dynamic and where there are several times (Embree 3 refits none of these).
+    /// Adds a mesh that moves as a whole: its own BVH is built here, once, around positions in a space of its own (one element more
+    /// than is indexed); `renderFromLocal` holds one map, or several at equally spaced times within the shutter, between which
+    /// they are interpolated entry by entry.
+    Index addInstance(std::span<const Vec3> positions, std::span<const Index3> triangles, std::span<const Affine> renderFromLocal);
+
+    /// Moves an instance; as many maps as it was added with.
+    void place(Index geometry, std::span<const Affine> renderFromLocal);
+
+    /// Says that the positions of a mesh that is no instance have changed. Its BVH is refitted, or built anew where that is asked for,
+    /// where the scene is not dynamic and where there are several times (Embree 3 refits none of these).
     void update(Index geometry, bool rebuild);
 
     /// Builds or refits what has changed.

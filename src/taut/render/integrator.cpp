@@ -48,12 +48,8 @@ float powerHeuristic(float a, float b) {
 }
 
 /// The rigid motion between the two steps around a time: linear in place, in rotation by Gram-Schmidt of the linear mean.
-Affine affineAt(const std::vector<Affine> &steps, float time) {
-    const float at = time * static_cast<float>(steps.size() - 1);
-    const std::size_t before = std::min(static_cast<std::size_t>(at), steps.size() - 2);
-    const float u = at - static_cast<float>(before);
-    Affine m;
-    for (int c = 0; c < 4; ++c) m[c] = glm::mix(steps[before][c], steps[before + 1][c], u);
+Affine rigidAt(const std::vector<Affine> &steps, float time) {
+    Affine m = affineAt(steps, time);
     m[2] = glm::normalize(m[2]);
     m[0] = glm::normalize(m[0] - m[2] * glm::dot(m[0], m[2]));
     m[1] = glm::cross(m[2], m[0]);
@@ -168,7 +164,7 @@ Ray PathTracer::State::cameraRay(const Path &path) const {
     ray.direction = glm::normalize(ray.direction);
     ray.time = path.time;
     if (scene.cameraSteps().size() > 1) {
-        const Affine renderFromCamera = affineAt(scene.cameraSteps(), path.time);
+        const Affine renderFromCamera = rigidAt(scene.cameraSteps(), path.time);
         ray.origin = transformPoint(renderFromCamera, ray.origin);
         ray.direction = glm::normalize(transformVector(renderFromCamera, ray.direction));
     }
@@ -225,7 +221,7 @@ void PathTracer::State::connectLight(int event, Index index, const SurfacePoint 
     const Vec3 contribution = path.throughput * scattered.fCos * light.radiance * (weight / light.pdf);
     if (!(maxComponent(contribution) > 0)) return;
     Ray ray;
-    ray.origin = offsetOrigin(point.position, side > 0 ? point.geometricNormal : -point.geometricNormal);
+    ray.origin = offsetOrigin(point, side > 0);
     ray.direction = light.direction;
     ray.farthest = light.distance * (1 - 1e-4F);
     ray.time = path.time;
@@ -274,7 +270,7 @@ void PathTracer::State::shade(int event, Index index, const Ray &ray, const Hit 
         path.throughput /= survive;
     }
     Ray next;
-    next.origin = offsetOrigin(point.position, side > 0 ? point.geometricNormal : -point.geometricNormal);
+    next.origin = offsetOrigin(point, side > 0);
     next.direction = direction;
     next.time = path.time;
     nextRays.push_back(next);

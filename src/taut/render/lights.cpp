@@ -103,7 +103,7 @@ LightSample sampleMesh(const LightEntry &entry, const Vec3 &point, float time, c
     const float length = glm::length(cross);
     if (!(length > 0)) return {};
     LightSample s = fromArea(entry, point, a + e1 * b.x + e2 * b.y, cross / length);
-    if (entry.steps.size() > 1) s.pdf /= emitterGrowth(entry, static_cast<Index>(i), time);
+    if (entry.moves()) s.pdf /= emitterGrowth(entry, static_cast<Index>(i), time);
     return s;
 }
 
@@ -148,6 +148,7 @@ LightSample sampleEntry(const LightTable &table, const LightEntry &entry, const 
 } // namespace
 
 Vec3 emitterPosition(const LightEntry &entry, Index vertex, float time) {
+    if (!entry.placements.empty()) return transformPoint(affineAt(entry.placements, time), entry.steps.front()[vertex]);
     if (entry.steps.size() == 1) return entry.steps.front()[vertex];
     const float at = time * static_cast<float>(entry.steps.size() - 1);
     const std::size_t before = std::min(static_cast<std::size_t>(at), entry.steps.size() - 2);
@@ -155,7 +156,7 @@ Vec3 emitterPosition(const LightEntry &entry, Index vertex, float time) {
 }
 
 float emitterGrowth(const LightEntry &entry, Index triangle, float time) {
-    if (entry.steps.size() == 1) return 1;
+    if (!entry.moves()) return 1;
     const Index3 &t = entry.triangles[triangle];
     const auto area = [&](float when) {
         const Vec3 a = emitterPosition(entry, t.x, when);

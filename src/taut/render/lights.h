@@ -26,9 +26,13 @@ struct LightEntry {
     bool cameraVisible = false;
     // Mesh emitters: triangles with their cumulative areas when the shutter opens; positions belong to the frame's geometry.
     std::vector<std::span<const Vec3>> steps; ///< at equally spaced times in the shutter
+    std::span<const Affine> placements;       ///< of an instanced object, whose one step is in local space
     std::span<const Index3> triangles;
     std::vector<float> cumulativeArea;
     bool mirrored = false;
+
+    /// Whether a mesh emitter moves while the shutter is open.
+    [[nodiscard]] bool moves() const { return steps.size() > 1 || placements.size() > 1; }
 };
 
 struct LightSample {

@@ -21,7 +21,6 @@ struct Hit {
     float u = 0, v = 0; ///< barycentrics of the second and third corner
     Index geometry = kNone;
     Index primitive = kNone;
-    Vec3 normal{0}; ///< geometric, not normalised, as Embree gives it
 };
 
 } // namespace taut

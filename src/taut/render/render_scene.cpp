@@ -75,8 +75,8 @@ RenderScene::RenderScene(const Scene &scene, ScenePlan plan, bool animated)
     for (std::size_t i = 0; i < objects_.size(); ++i) {
         const Object &object = scene.objects[i];
         const bool blurred = scene.render.shutter > 0 && moves(object);
-        const std::size_t steps = blurred ? static_cast<std::size_t>(scene.render.motionSteps) : 1;
-        prepareRenderObject(object, scene.render, plan_.meshes[i], steps, objects_[i]);
+        const std::size_t times = blurred ? static_cast<std::size_t>(scene.render.motionSteps) : 1;
+        prepareRenderObject(object, scene.render, plan_.meshes[i], times, animated, objects_[i]);
         if (hasStoredGloss(objects_[i].mesh(), objects_[i].surface)) objects_[i].storedPoisson = poissonOfVertices(scene, objects_[i]);
     }
 }
@@ -104,22 +104,24 @@ void RenderScene::setFrame(double frame, StageTimes &times) {
     for (Index i = 0; i < objects_.size(); ++i) {
         RenderObject &object = objects_[i];
         bool moved = false;
-        for (std::size_t step = 0; step < object.steps.size(); ++step)
-            moved |= moveObject(object, step, frameOfStep(render, frame, step, object.steps.size()), render.fps, renderFromWorld,
+        const std::size_t shutterTimes = std::max(object.steps.size(), object.placements.size());
+        for (std::size_t step = 0; step < shutterTimes; ++step)
+            moved |= moveObject(object, step, frameOfStep(render, frame, step, shutterTimes), render.fps, renderFromWorld,
                                 times.deformation, times.gradient);
         Stopwatch watch;
         const std::vector<Vec3> &positions = object.steps.front().positions;
         if (!committed_) {
             std::vector<std::span<const Vec3>> steps;
             for (const SurfaceStep &step : object.steps) steps.emplace_back(step.positions);
-            object.geometry = embree_.addTriangles(steps, object.surface.triangles);
+            object.geometry = object.instanced ? embree_.addInstance(positions, object.surface.triangles, object.placements)
+                                               : embree_.addTriangles(steps, object.surface.triangles);
             owners_.resize(std::max<std::size_t>(owners_.size(), object.geometry + 1), kNone);
             owners_[object.geometry] = i;
             if (!object.rigid) object.bvh.built(object.surface.triangles, positions);
+        } else if (moved && object.instanced) {
+            embree_.place(object.geometry, object.placements);
         } else if (moved) {
-            // A rigid motion leaves the fit of the tree as it was.
-            const bool rebuild =
-                !plan_.mayRefit || (!object.rigid && object.bvh.shouldRebuild(object.surface.triangles, positions, raysPerFrame));
+            const bool rebuild = !plan_.mayRefit || object.bvh.shouldRebuild(object.surface.triangles, positions, raysPerFrame);
             embree_.update(object.geometry, rebuild);
             if (rebuild) object.bvh.built(object.surface.triangles, positions);
         }
@@ -179,6 +181,7 @@ void RenderScene::placeLights(const DMat4 &renderFromWorld) {
         entry.kind = LightKind::Mesh;
         entry.radiance = object.object->emission.value;
         for (const SurfaceStep &step : object.steps) entry.steps.emplace_back(step.positions);
+        entry.placements = object.placements;
         entry.triangles = object.surface.triangles;
         entry.twoSided = object.object->emissionTwoSided;
         entry.mirrored = object.mirrored;
@@ -196,6 +199,7 @@ void RenderScene::placeLights(const DMat4 &renderFromWorld) {
         }
         entry.area = static_cast<float>(sum);
         entry.centre = Vec3(centroid / std::max(sum, 1e-300));
+        if (object.instanced) entry.centre = transformPoint(object.placements.front(), entry.centre);
         if (!(entry.area > 0)) continue;
         lightEntries_[i] = static_cast<Index>(lights_.entries.size());
         lights_.entries.push_back(std::move(entry));

@@ -11,6 +11,7 @@ namespace taut {
 struct SurfacePoint {
     Vec3 position;
     Vec3 geometricNormal; ///< unit, towards the viewer
+    float clearance = 0;  ///< distance from the surface at which a ray may start, see offsetOrigin()
     Frame frame;          ///< shading frame: a function of the shading normal alone, so that nothing sampled in it depends on how
                           ///< the surface is parametrised; n on the geometric normal's side
     Bsdf bsdf;
@@ -39,11 +40,9 @@ std::vector<PreparedMaterial> prepareMaterials(const Scene &scene, const ScenePl
 SurfacePoint surfacePointAt(const RenderScene &scene, const std::vector<PreparedMaterial> &materials, const Hit &hit, const Vec3 &wo,
                             float time = 0);
 
-/// `position` moved off the surface to the side of `normal`, far enough that a ray from there does not meet it again.
-inline Vec3 offsetOrigin(const Vec3 &position, const Vec3 &normal) {
-    // Render space has the camera at the origin: rounding of a position grows with its distance, and so does the step.
-    const float scale = std::fmax(std::fmax(std::fabs(position.x), std::fabs(position.y)), std::fabs(position.z));
-    return position + normal * std::fmax(4e-6F * scale, 1e-12F);
+/// The point moved off the surface, to the viewer's side or the other, far enough that a ray from there does not meet it again.
+inline Vec3 offsetOrigin(const SurfacePoint &point, bool viewersSide) {
+    return point.position + point.geometricNormal * (viewersSide ? point.clearance : -point.clearance);
 }
 
 } // namespace taut

@@ -4,7 +4,10 @@
 #include "taut/base/parallel.h"
 #include "taut/base/stopwatch.h"
 #include "taut/deform/face_gradient.h"
+#include "taut/deform/polar_batch.h"
 #include "taut/deform/stored_gloss.h"
+
+#include <algorithm>
 
 namespace taut {
 
@@ -50,18 +53,24 @@ void fillStep(RenderObject &object, SurfaceStep &out) {
     const bool vectors = perVertex && plan.interpolation == GradientInterpolation::DsDt;
     const bool tensors = perVertex && !object.stretchOnFaces() && !vectors;
     const bool leans = perVertex && plan.stretch == StretchModel::Leaning && !object.gradient.normalImage.empty();
+    const bool plain = object.object->follow && !leans && !vectors && !stored && plan.interpolation == GradientInterpolation::Stretch;
     if (tensors && out.stretch.size() != count) out.stretch.resize(count);
     if (leans && out.lean.size() != count) out.lean.resize(count);
     if (vectors && out.ds.size() != count) {
         out.ds.resize(count);
         out.dt.resize(count);
     }
-    parallelFor(count, kGrain, [&](std::size_t v) {
-        const VertexGradient g = gradientAt(object, v);
-        out.positions[v] = object.gradient.position[surface.vertexSurface[v]];
-        out.normals[v] = g.n;
-        const PolarGradient polar = polarGradient(g.ds, g.dt, g.n);
+    const auto fillVertex = [&](std::size_t v, const PolarGradient &polar) {
+        const Index s = surface.vertexSurface[v];
+        const Vec3 n = object.gradient.normal[s];
+        out.positions[v] = object.gradient.position[s];
+        out.normals[v] = n;
         out.tangents[v] = polar.tangent;
+        if (plain) {
+            if (tensors) out.stretch[v] = polar.stretch;
+            return;
+        }
+        const VertexGradient g = gradientAt(object, v);
         // As other renderers do: the tangent is the normalised image of t0, whatever the shear.
         if (!object.object->follow) {
             const float length = glm::length(g.ds);
@@ -89,6 +98,20 @@ void fillStep(RenderObject &object, SurfaceStep &out) {
             }
             out.stretch[v] = stretch;
         }
+    };
+    const std::size_t blocks = (count + PolarBlock::kSize - 1) / PolarBlock::kSize;
+    parallelFor(blocks, kGrain / PolarBlock::kSize, [&](std::size_t b) {
+        const std::size_t begin = b * PolarBlock::kSize;
+        const std::size_t size = std::min(PolarBlock::kSize, count - begin);
+        PolarBlock block;
+        if (size < PolarBlock::kSize) block = {};
+        for (std::size_t i = 0; i < size; ++i) {
+            const Index s = surface.vertexSurface[begin + i];
+            const SurfaceGradient &g = object.gradient;
+            block.set(i, g.f1[s], g.f2[s], g.normal[s], surface.frameCoefficients[begin + i]);
+        }
+        splitPolar(block);
+        for (std::size_t i = 0; i < size; ++i) fillVertex(begin + i, block.at(i));
     });
     if (!follows) return;
     if (plan.estimator == GradientEstimator::Face) {
@@ -116,33 +139,63 @@ void fillStep(RenderObject &object, SurfaceStep &out) {
     }
 }
 
+/// The surface of a rigid object after `map`, whose linear part is `rotation` (or a reflection) after rest space's.
+void fillRigid(const RenderObject &object, const Affine &map, const Mat3 &rotation, SurfaceStep &out) {
+    const Surface &surface = object.surface;
+    resizeStep(out, surface.vertexCount());
+    const float hand = object.mirrored ? -1.0F : 1.0F;
+    const std::vector<Vec3> &points = object.mesh().positions;
+    parallelFor(surface.vertexCount(), kGrain, [&](std::size_t v) {
+        const Index s = surface.vertexSurface[v];
+        const Vec4 &t = object.restTangents[v];
+        out.positions[v] = transformPoint(map, points[surface.surfacePosition[s]]);
+        out.normals[v] = glm::normalize(rotation * surface.normals[s]);
+        out.tangents[v] = Vec4(glm::normalize(rotation * Vec3(t)), t.w * hand);
+    });
+}
+
+Mat3 linearOf(const Affine &m) {
+    return {m[0], m[1], m[2]};
+}
+
 /// A rigid object's carrier is a rotation, or a reflection, after the constant placement that rest space has behind it.
 bool moveRigid(RenderObject &object, std::size_t step, double frame, double fps, const DMat4 &renderFromWorld) {
     motionAtFrame(*object.object, frame, fps, renderFromWorld, object.motion);
     const MotionState &state = object.motion.state;
     object.mirrored = state.mirrored;
-    if (object.placed[step] == state.carrier) return false;
-    object.placed[step] = state.carrier;
-    const Surface &surface = object.surface;
-    SurfaceStep &out = object.steps[step];
-    resizeStep(out, surface.vertexCount());
-    const Affine &m = state.carrier;
-    const Mat3 rotation = Mat3(m[0], m[1], m[2]) * glm::inverse(surface.restFromObject);
-    const float hand = state.mirrored ? -1.0F : 1.0F;
-    const std::vector<Vec3> &points = object.mesh().positions;
-    parallelFor(surface.vertexCount(), kGrain, [&](std::size_t v) {
-        const Index s = surface.vertexSurface[v];
-        const Vec4 &t = object.restTangents[v];
-        out.positions[v] = transformPoint(m, points[surface.surfacePosition[s]]);
-        out.normals[v] = glm::normalize(rotation * surface.normals[s]);
-        out.tangents[v] = Vec4(glm::normalize(rotation * Vec3(t)), t.w * hand);
-    });
+    const Mat3 &restFromObject = object.surface.restFromObject;
+    const Mat3 objectFromRest = glm::inverse(restFromObject);
+    const Mat3 rotation = linearOf(state.carrier) * objectFromRest;
+    if (!object.instanced) { // asked for one frame
+        fillRigid(object, state.carrier, rotation, object.steps[step]);
+        return true;
+    }
+    if (object.steps[0].normals.empty()) {
+        fillRigid(object, {restFromObject[0], restFromObject[1], restFromObject[2], -object.localCentre}, Mat3(1), object.steps[0]);
+        object.restTangents = {};
+    }
+    const Affine placement{rotation[0], rotation[1], rotation[2], transformPoint(state.carrier, objectFromRest * object.localCentre)};
+    if (object.placements[step] == placement) return false;
+    object.placements[step] = placement;
     return true;
+}
+
+/// Middle of the box around a mesh, in rest space.
+Vec3 centreOf(const std::vector<Vec3> &points, const Mat3 &restFromObject) {
+    Vec3 lower(kInfinity);
+    Vec3 upper(-kInfinity);
+    for (const Vec3 &p : points) {
+        const Vec3 q = restFromObject * p;
+        lower = glm::min(lower, q);
+        upper = glm::max(upper, q);
+    }
+    return points.empty() ? Vec3(0) : 0.5F * lower + 0.5F * upper;
 }
 
 } // namespace
 
-void prepareRenderObject(const Object &object, const RenderSettings &render, const MeshPlan &plan, std::size_t steps, RenderObject &out) {
+void prepareRenderObject(const Object &object, const RenderSettings &render, const MeshPlan &plan, std::size_t times, bool animated,
+                         RenderObject &out) {
     out.plan = plan;
     const bool stored = !object.mesh->storedM.empty();
     out.rigid = isRigid(object) && !stored;
@@ -151,7 +204,8 @@ void prepareRenderObject(const Object &object, const RenderSettings &render, con
         out.plan.interpolation = GradientInterpolation::Stretch;
         if (out.plan.estimator == GradientEstimator::Face) out.plan.estimator = defaultEstimator(object);
     }
-    out.steps.resize(steps);
+    out.instanced = out.rigid && (animated || times > 1);
+    out.steps.resize(out.instanced ? 1 : times);
     prepareObjectSurface(object, render.fps, out.plan.estimator, out);
     const Surface &surface = out.surface;
     if (out.plan.estimator == GradientEstimator::Face && !out.rigid) {
@@ -161,7 +215,10 @@ void prepareRenderObject(const Object &object, const RenderSettings &render, con
         out.metrics = restMetrics(surface, rest);
     }
     if (!out.rigid) return;
-    out.placed.assign(steps, Affine(0));
+    if (out.instanced) {
+        out.placements.assign(times, Affine(0));
+        out.localCentre = centreOf(out.mesh().positions, surface.restFromObject);
+    }
     out.restTangents.resize(surface.vertexCount());
     for (std::size_t v = 0; v < out.restTangents.size(); ++v) {
         const Index s = surface.vertexSurface[v];

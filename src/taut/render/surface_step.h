@@ -6,7 +6,7 @@
 
 namespace taut {
 
-/// Everything is in render space. Arrays that a plan has no use for are empty.
+/// Everything is in render space, but for instanced objects (RenderObject::placements). Arrays that a plan has no use for are empty.
 struct SurfaceStep {
     std::vector<Vec3> positions;          ///< [vertices + 1]: Embree reads 16 bytes at the last
     std::vector<Vec3> normals;            ///< [vertices] unit; outward
@@ -25,9 +25,12 @@ struct RenderObject : ObjectSurface {
     Index geometry = kNone;
     BvhPolicy bvh;
 
-    // Rigid objects: what is moved, and where each step was last brought to.
-    std::vector<Vec4> restTangents; ///< [vertices] rest space, with their sense
-    std::vector<Affine> placed;     ///< [steps]
+    // Rigid objects that move: their one step is filled once, in rest space about the centre of their box (local space), and only
+    // placed from then on.
+    bool instanced = false;
+    std::vector<Affine> placements; ///< [times in the shutter] render from local space; empty: steps are in render space
+    Vec3 localCentre{0};            ///< rest space: the origin of local space
+    std::vector<Vec4> restTangents; ///< [vertices] of a rigid object, in rest space, with their sense; until its steps are filled
 
     /// [vertices] of a mesh with a stored M, else empty. Then `stretch` of a step is sqrt(M M^T), and the material's alpha has no say.
     std::vector<float> storedPoisson;
@@ -40,10 +43,12 @@ struct RenderObject : ObjectSurface {
     }
 };
 
-/// Builds the object's surface and what the plan needs beside it.
-void prepareRenderObject(const Object &object, const RenderSettings &render, const MeshPlan &plan, std::size_t steps, RenderObject &out);
+/// Builds the object's surface and what the plan needs beside it, for so many times in the shutter. `animated`: other frames follow.
+void prepareRenderObject(const Object &object, const RenderSettings &render, const MeshPlan &plan, std::size_t times, bool animated,
+                         RenderObject &out);
 
-/// Brings a step to a frame. False where a rigid object has not moved since. Adds to the seconds of positions and gradients.
+/// Brings one of the shutter's times to a frame. False where a rigid object has not moved since. Adds to the seconds of positions and
+/// gradients.
 bool moveObject(RenderObject &object, std::size_t step, double frame, double fps, const DMat4 &renderFromWorld, double &deformationSeconds,
                 double &gradientSeconds);
 
