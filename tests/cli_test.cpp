@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <regex>
 
 using namespace taut;
@@ -153,9 +154,26 @@ TEST_CASE("cli: info counts what is there and bounds the stretch", "[cli]") {
     CHECK(other["objects"][0]["triangles"] == 8 * 9216);
     CHECK(other["objects"][0]["stretch_max"].get<double>() == Approx(1).epsilon(1e-4));
 
+    // Every question of the plan names its choices with error and cost.
+    const auto planned = nlohmann::json::parse(runTaut({"info", place.scene, "--json", "--frames", "1-3", "-D",
+                                                        "mesh.0.file=" TAUT_SOURCE_DIR "/meshes/ring.obj", "-D", "mesh.0.subdivision=auto"})
+                                                   .out);
+    const auto &object = planned["objects"][0];
+    std::vector<std::string> names;
+    for (const auto &q : object["plan"]["questions"]) {
+        names.push_back(q["name"]);
+        CHECK(q["choices"].size() >= 1);
+        for (const auto &c : q["choices"]) CHECK((c["cost"] >= 0 && c["predicted_error"] >= 0));
+    }
+    for (const char *name : {"subdivision", "stretch", "bvh"}) CHECK(std::find(names.begin(), names.end(), name) != names.end());
+    CHECK(object["plan"]["questions"][0]["taken"] == "level " + std::to_string(object["subdivision"].get<int>()));
+    CHECK(planned["materials"][0]["question"]["choices"].size() == 3);
+    checkUsageError(runTaut({"info", place.scene, "-D", "mesh.0.subdivision=aut"}), "auto");
+
     const CommandResult text = runTaut({"info", place.scene});
     requireSuccess(text);
-    for (const char *part : {"24 x 16", "1 materials", "2048 triangles"}) CHECK(text.out.find(part) != std::string::npos);
+    for (const char *part : {"24 x 16", "1 materials", "2048 triangles", "multiscatter: ", "next cheaper"})
+        CHECK(text.out.find(part) != std::string::npos);
     checkUsageError(runTaut({"info", place.scene, "--jsn"}), "--jsn");
 
     if (const auto fox = asset("anim/khronos/Fox.glb")) {

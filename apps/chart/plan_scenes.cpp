@@ -119,6 +119,10 @@ std::vector<PlanScene> planScenes(int size) {
     PlanScene *subdivided =
         add("subdivided sheared torus", makeTorus(16, 8, 0.7F, 0.3F), {deformer(DeformerType::Shear, 0.6, 0, 2)}, conductor(0.15F, 0.3F));
     subdivided->scene.objects[0].subdivision.level = 2;
+    PlanScene *refined =
+        add("torus of a planned level", makeTorus(16, 8, 0.7F, 0.3F), {deformer(DeformerType::Twist, 0.4, 2, 0)}, conductor(0.3F, 0.4F));
+    refined->scene.objects[0].planLevel = true;
+    refined->scene.objects[0].subdivision.level = kUnplannedLevel;
     return scenes;
 }
 

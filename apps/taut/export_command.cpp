@@ -333,7 +333,10 @@ int exportScene(const ExportArguments &arguments) {
     const auto threads = limitThreads(arguments.scene.threads);
     Scene scene = loadScene(arguments.scene, arguments.quiet);
     if (arguments.level)
-        for (Object &object : scene.objects) object.subdivision.level = *arguments.level;
+        for (Object &object : scene.objects) {
+            object.subdivision.level = *arguments.level;
+            object.planLevel = false;
+        }
     const nlohmann::json report = Exporter(scene, arguments).run();
     if (arguments.json) std::cout << report.dump(2) << std::endl;
     return 0;

@@ -48,13 +48,26 @@ std::string_view nameOf(Multiscatter model) {
     return kNames[static_cast<std::size_t>(model)];
 }
 
+nlohmann::json toJson(const Question &q) {
+    nlohmann::json choices = nlohmann::json::array();
+    for (const Choice &c : q.choices) choices.push_back({{"name", c.name}, {"predicted_error", c.error}, {"cost", c.cost}});
+    return {{"name", q.name}, {"unit", q.unit}, {"taken", q.choices[q.taken].name}, {"choices", choices}};
+}
+
+/// The BVH's choice changes no pixel. It is made frame by frame; named is what most frames get.
+Question bvhQuestion(const BvhForecast &forecast, const ScenePlan &plan) {
+    const auto milliseconds = [](double seconds) { return static_cast<float>(1e3 * seconds); };
+    Choice refit{"refit", 0, milliseconds(forecast.refitSeconds)};
+    Choice rebuild{"rebuild", 0, milliseconds(forecast.rebuildSeconds)};
+    const bool rebuilds = !plan.mayRefit || 2 * forecast.rebuilds > forecast.frames;
+    if (forecast.rebuilds > 0 && plan.mayRefit)
+        (rebuilds ? rebuild : refit).name += fmt::format(", {} of {} frames rebuilt", forecast.rebuilds, forecast.frames);
+    return {"bvh", "ms a frame, slower rays included", {refit, rebuild}, rebuilds ? 1U : 0U};
+}
+
 nlohmann::json toJson(const MeshPlan &plan) {
     nlohmann::json questions = nlohmann::json::array();
-    for (const Question &q : plan.questions) {
-        nlohmann::json choices = nlohmann::json::array();
-        for (const Choice &c : q.choices) choices.push_back({{"name", c.name}, {"predicted_error", c.error}, {"cost_ns", c.cost}});
-        questions.push_back({{"name", q.name}, {"unit", q.unit}, {"taken", q.choices[q.taken].name}, {"choices", choices}});
-    }
+    for (const Question &q : plan.questions) questions.push_back(toJson(q));
     return {{"stretch", nameOf(plan.stretch)},
             {"gradient", nameOf(plan.estimator)},
             {"interpolation", nameOf(plan.interpolation)},
@@ -67,7 +80,12 @@ nlohmann::json alphaRange(const MeshPlan &plan) {
     return {{"min", plan.leastAlpha}, {"max", plan.greatestAlpha}};
 }
 
-nlohmann::json describe(const RenderObject &object, const GradientField &field) {
+nlohmann::json describe(const RenderObject &object, const ScenePlan &plan, const RenderSettings &render) {
+    const int level = object.plan.subdivisionLevel;
+    const GradientField field = measureGradientField(*object.object, level, render.frames, render.fps);
+    nlohmann::json planned = toJson(object.plan);
+    if (!object.rigid && render.frames.size() > 1)
+        planned["questions"].push_back(toJson(bvhQuestion(forecastBvh(*object.object, level, render), plan)));
     const Surface &surface = object.surface;
     const Mesh &mesh = object.mesh();
     return {{"name", object.object->name},
@@ -75,7 +93,7 @@ nlohmann::json describe(const RenderObject &object, const GradientField &field) 
             {"faces", mesh.faceCount()},
             {"triangles", surface.triangles.size()},
             {"render_vertices", surface.vertexCount()},
-            {"subdivision", object.object->subdivision.level},
+            {"subdivision", object.plan.subdivisionLevel},
             {"follow", object.object->follow},
             {"rigid", object.rigid},
             {"skinned", !object.object->mesh->skin.empty()},
@@ -89,7 +107,7 @@ nlohmann::json describe(const RenderObject &object, const GradientField &field) 
             {"alpha", alphaRange(object.plan)},
             {"collapsed_vertices", field.collapsed},
             {"folded_triangles", field.folded},
-            {"plan", toJson(object.plan)},
+            {"plan", planned},
             {"policies",
              {{"SkipDegenerateFace", surface.degenerateFaces},
               {"RestAtLoneVertex", surface.loneVertices},
@@ -97,15 +115,14 @@ nlohmann::json describe(const RenderObject &object, const GradientField &field) 
               {"SmoothFieldNoUv", surface.fallbackTangents}}}};
 }
 
-/// One line a question: what was taken, what it loses and costs, what the next cheaper choice would have lost, what the next dearer
-/// one costs.
+/// One line a question: what was taken, what it loses and costs, and the same of the next cheaper choice.
 void printQuestion(const nlohmann::json &question) {
     const auto &choices = question["choices"];
     std::size_t taken = 0;
     while (choices[taken]["name"] != question["taken"]) ++taken;
     const auto describeChoice = [&](std::size_t i) {
         return fmt::format("{} (predicted error {:.2g}, {:.3g} {})", choices[i]["name"].get<std::string>(),
-                           choices[i]["predicted_error"].get<float>(), choices[i]["cost_ns"].get<float>(),
+                           choices[i]["predicted_error"].get<float>(), choices[i]["cost"].get<float>(),
                            question["unit"].get<std::string>());
     };
     std::string line = fmt::format("    {}: {}", question["name"].get<std::string>(), describeChoice(taken));
@@ -136,8 +153,10 @@ void print(const nlohmann::json &info) {
                info["last_frame"].get<int>());
     fmt::print("{} materials, {} textures, {} lights{}\n", info["materials"].size(), info["textures"].get<int>(), info["lights"].get<int>(),
                info["environment"].get<bool>() ? ", an environment" : "");
-    for (const auto &m : info["materials"])
+    for (const auto &m : info["materials"]) {
         fmt::print("  {}: multiscatter {}\n", m["name"].get<std::string>(), m["multiscatter"].get<std::string>());
+        if (!m["question"].is_null()) printQuestion(m["question"]);
+    }
     for (const auto &o : info["objects"]) printObject(o);
     fmt::print("plan: tolerance {:.3g}, predicted error {:.3g}, BVH {}\n", info["tolerance"].get<float>(),
                info["predicted_error"].get<float>(), info["bvh"].get<std::string>());
@@ -168,10 +187,10 @@ nlohmann::json describe(const InfoArguments &arguments, const Scene &scene, cons
                             (material.type != MaterialType::Conductor && material.type != MaterialType::Dielectric);
         result["materials"].push_back({{"name", material.name},
                                        {"multiscatter", single ? "off" : nameOf(own == Multiscatter::Auto ? plan.materials[i].model : own)},
-                                       {"predicted_error", plan.materials[i].error}});
+                                       {"predicted_error", plan.materials[i].error},
+                                       {"question", plan.materials[i].question ? toJson(*plan.materials[i].question) : nlohmann::json()}});
     }
-    for (const RenderObject &object : ready.objects())
-        result["objects"].push_back(describe(object, measureGradientField(*object.object, frames, scene.render.fps)));
+    for (const RenderObject &object : ready.objects()) result["objects"].push_back(describe(object, plan, scene.render));
     return result;
 }
 

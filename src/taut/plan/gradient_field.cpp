@@ -99,14 +99,14 @@ void GradientField::addFit(const ObjectSurface &exact, const ObjectSurface &fit)
     }
 }
 
-GradientField measureGradientField(const Object &object, std::span<const int> frames, double fps) {
+GradientField measureGradientField(const Object &object, int subdivisionLevel, std::span<const int> frames, double fps) {
     GradientField field;
     const GradientEstimator estimator = defaultEstimator(object);
     const bool comparesFit = estimator == GradientEstimator::Analytic && !object.gradient && !object.lean;
     ObjectSurface exact;
-    prepareObjectSurface(object, fps, estimator, exact);
+    prepareObjectSurface(object, fps, estimator, subdivisionLevel, exact);
     ObjectSurface fit;
-    if (comparesFit) prepareObjectSurface(object, fps, GradientEstimator::Area, fit);
+    if (comparesFit) prepareObjectSurface(object, fps, GradientEstimator::Area, subdivisionLevel, fit);
     double ignored = 0;
     for (const int frame : frames) {
         deformAtFrame(exact, frame, fps, DMat4(1), ignored, ignored);

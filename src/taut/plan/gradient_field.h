@@ -30,7 +30,7 @@ struct GradientField {
     void addFit(const ObjectSurface &exact, const ObjectSurface &fit);
 };
 
-/// Evaluates the object at each of the frames, in world space.
-GradientField measureGradientField(const Object &object, std::span<const int> frames, double fps);
+/// Evaluates the object, refined to a level, at each of the frames, in world space.
+GradientField measureGradientField(const Object &object, int subdivisionLevel, std::span<const int> frames, double fps);
 
 } // namespace taut

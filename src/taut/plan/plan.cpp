@@ -3,6 +3,7 @@
 #include "taut/base/frame.h"
 #include "taut/microsurface/transform.h"
 #include "taut/plan/gradient_field.h"
+#include "taut/plan/refinement_error.h"
 
 #include <algorithm>
 
@@ -28,6 +29,14 @@ constexpr float kFitCost = 30;
 constexpr float kAnalyticCost = 45;
 constexpr float kCompensationCost = 330;
 constexpr float kWalkCost = 340;
+constexpr float kRefitCost = 45; ///< a vertex, of its BVH
+
+/// Level at which refinement errors are measured; those of the others follow, at a factor of four a level.
+constexpr int kProbeLevel = 2;
+/// Most faces that a plan refines a mesh to.
+constexpr std::size_t kMostFaces = 4U << 20U;
+/// Root mean square over vertices to that over the pixels of a view, which may see the worse part.
+constexpr float kViewFactor = 2;
 
 bool hasMicrosurface(const Material &material) {
     return material.type != MaterialType::Diffuse;
@@ -95,6 +104,48 @@ Question gradientQuestion(const GradientField &field, const AlphaRange &alpha) {
     return {"gradient", "ns a vertex", {{"area", error, kFitCost}, {"analytic", 0, kAnalyticCost}}, 0};
 }
 
+float leastRestAlpha(const Scene &scene, const Object &object) {
+    float least = 1;
+    for (const Index m : object.materials)
+        if (hasMicrosurface(scene.materials[m])) least = std::fmin(least, restAlphaRange(scene.materials[m]).x);
+    return least;
+}
+
+/// The finest level that a plan considers.
+int mostLevel(const Object &object) {
+    int level = 1;
+    while (level < kMaxSubdivisionLevel && object.mesh->faceCount() << (2 * (static_cast<std::size_t>(level) + 1)) <= kMostFaces) ++level;
+    return level;
+}
+
+/// Share of the image's mean square that a silhouette changes when positions are off by `error` metres, its root.
+float silhouetteError(const Scene &scene, const RefinementError &box, float error) {
+    const std::vector<int> &frames = scene.render.frames;
+    const CameraState camera = cameraAtFrame(scene.camera, frames[frames.size() / 2], scene.render.fps);
+    const DVec3 eye(camera.worldFromCamera[3]);
+    const DVec3 nearest = glm::clamp(eye, DVec3(box.lower), DVec3(box.upper));
+    const double size = glm::length(DVec3(box.upper - box.lower));
+    const double distance = std::max(glm::length(eye - nearest), 0.05 * size);
+    const double pixel = 2 * std::tan(0.5 * camera.fovY) * distance / scene.render.height;
+    const double outline = std::min(1.0, 3.1416 * (size / pixel) / (static_cast<double>(scene.render.width) * scene.render.height));
+    const double pixels = static_cast<double>(error) / pixel;
+    // Up to a pixel, the pixels of the outline change by the share that is uncovered; from there on more of them do.
+    return static_cast<float>(std::sqrt(outline * std::min(pixels * pixels, pixels)));
+}
+
+/// Errors of normals, V and outline between the vertices of each level.
+Question subdivisionQuestion(const Scene &scene, const Object &object, const RefinementError &probe, float leastAlpha) {
+    Question q{"subdivision", "us a frame", {}, 0};
+    for (int level = 1; level <= mostLevel(object); ++level) {
+        const float scale = std::pow(4.0F, static_cast<float>(kProbeLevel - level));
+        const float lobes = kViewFactor * kPeakFactor * scale * (probe.stretch + probe.normal / std::fmin(leastAlpha, 1.0F));
+        q.choices.push_back({"level " + std::to_string(level), lobes + silhouetteError(scene, probe, scale * probe.position),
+                             probe.vertices / scale * (kFitCost + kRefitCost) * 1e-3F});
+    }
+    q.choices.back().error = 0; // the finest level is what the full model takes
+    return q;
+}
+
 void planMesh(const Object &object, const GradientField &field, const AlphaRange &alpha, bool microsurface, float left, MeshPlan &plan) {
     Question stretch = stretchQuestion(object, field, alpha, microsurface);
     take(stretch, left);
@@ -120,25 +171,24 @@ void planMesh(const Object &object, const GradientField &field, const AlphaRange
     }
 }
 
-MultiscatterPlan planMultiscatter(const Material &material, float greatestAlpha, float budget, float &error) {
+MultiscatterPlan planMultiscatter(const Material &material, float greatestAlpha, float budget) {
     MultiscatterPlan plan;
-    error = 0;
     const bool chooses = (material.type == MaterialType::Conductor || material.type == MaterialType::Dielectric) &&
                          material.multiscatter == Multiscatter::Auto && material.masking == Masking::Correlated;
     if (!chooses) return plan;
     const float loss = 1 - energy::averageAlbedo(microTransformFromAlpha(greatestAlpha, greatestAlpha));
-    if (kGrazingLoss * loss <= budget) {
-        plan.model = Multiscatter::Off;
-        error = kGrazingLoss * loss;
-        return plan;
-    }
     plan.negligibleLoss = 0.5F * budget / kGrazingLoss;
-    const float compensated = kGrazingLoss * plan.negligibleLoss + kCompensationLobeError * loss;
-    if (compensated <= budget && material.type == MaterialType::Conductor) {
-        error = compensated;
-        return plan;
-    }
-    plan.model = Multiscatter::Walk;
+    Question q{"multiscatter", "ns a hit", {{"off", kGrazingLoss * loss, 0}}, 0};
+    if (material.type == MaterialType::Conductor)
+        q.choices.push_back(
+            {"compensation where M asks for it", kGrazingLoss * plan.negligibleLoss + kCompensationLobeError * loss, kCompensationCost});
+    q.choices.push_back({"walk", 0, kWalkCost});
+    float left = budget;
+    take(q, left);
+    const bool walks = q.taken + 1 == q.choices.size();
+    plan.model = q.taken == 0 ? Multiscatter::Off : walks ? Multiscatter::Walk : Multiscatter::Auto;
+    plan.error = q.choices[q.taken].error;
+    plan.question = std::move(q);
     return plan;
 }
 
@@ -159,6 +209,7 @@ ScenePlan defaultPlan(const Scene &scene) {
                        : object.lean                     ? StretchModel::Leaning
                                                          : StretchModel::PerVertex;
         mesh.estimator = defaultEstimator(object);
+        mesh.subdivisionLevel = object.subdivision.level;
         mesh.interpolation = object.interpolation.value_or(GradientInterpolation::Stretch);
         plan.meshes.push_back(std::move(mesh));
     }
@@ -168,6 +219,8 @@ ScenePlan defaultPlan(const Scene &scene) {
 
 ScenePlan fullPlan(const Scene &scene) {
     ScenePlan plan = defaultPlan(scene);
+    for (std::size_t i = 0; i < plan.meshes.size(); ++i)
+        if (scene.objects[i].planLevel) plan.meshes[i].subdivisionLevel = mostLevel(scene.objects[i]);
     for (MultiscatterPlan &material : plan.materials) material.model = Multiscatter::Walk;
     plan.mayRefit = false;
     return plan;
@@ -184,8 +237,16 @@ ScenePlan makePlan(const Scene &scene, float tolerance) {
         MeshPlan &mesh = plan.meshes[i];
         bool microsurface = false;
         for (const Index m : object.materials) microsurface |= hasMicrosurface(scene.materials[m]);
+        float left = gradientBudget;
+        if (object.planLevel) {
+            Question level = subdivisionQuestion(scene, object, measureRefinement(object, kProbeLevel, frames, scene.render.fps),
+                                                 leastRestAlpha(scene, object));
+            take(level, left);
+            mesh.subdivisionLevel = static_cast<int>(level.taken) + 1;
+            mesh.questions.push_back(std::move(level));
+        }
         GradientField field;
-        if (!isRigid(object)) field = measureGradientField(object, frames, scene.render.fps);
+        if (!isRigid(object)) field = measureGradientField(object, mesh.subdivisionLevel, frames, scene.render.fps);
         AlphaRange alpha;
         for (const Index m : object.materials) {
             if (!hasMicrosurface(scene.materials[m])) continue;
@@ -199,17 +260,15 @@ ScenePlan makePlan(const Scene &scene, float tolerance) {
             mesh.leastAlpha = alpha.least;
             mesh.greatestAlpha = alpha.greatest;
         }
-        planMesh(object, field, alpha, microsurface, gradientBudget, mesh);
+        planMesh(object, field, alpha, microsurface, left, mesh);
         float error = 0;
         for (const Question &q : mesh.questions) error += q.choices[q.taken].error;
         plan.predictedError = std::fmax(plan.predictedError, error);
     }
     float worst = 0;
     for (std::size_t m = 0; m < scene.materials.size(); ++m) {
-        float error = 0;
-        plan.materials[m] = planMultiscatter(scene.materials[m], std::fmin(greatestAlpha[m], 10.0F), kMultiscatterShare * tolerance, error);
-        plan.materials[m].error = error;
-        worst = std::fmax(worst, error);
+        plan.materials[m] = planMultiscatter(scene.materials[m], std::fmin(greatestAlpha[m], 10.0F), kMultiscatterShare * tolerance);
+        worst = std::fmax(worst, plan.materials[m].error);
     }
     plan.predictedError += worst;
     return plan;

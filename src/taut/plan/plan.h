@@ -9,6 +9,7 @@
 #include "taut/deform/gradient_interpolation.h"
 #include "taut/scene/object_surface.h"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,13 +27,13 @@ enum class StretchModel {
 struct Choice {
     std::string name;
     float error = 0; ///< relative RMS of the image
-    float cost = 0;  ///< nanoseconds: per vertex and frame, or per hit, as the question says
+    float cost = 0;  ///< in the question's unit
 };
 
 /// One question of the plan: its choices from the cheapest to the dearest, and the one taken.
 struct Question {
-    std::string name; ///< "stretch", "interpolation" or "gradient"
-    std::string unit; ///< of the costs
+    std::string name; ///< "stretch", "interpolation", "gradient", "subdivision" or "multiscatter"
+    std::string unit; ///< of the costs: "ns a hit", "ns a vertex" (and frame), "us a frame"
     std::vector<Choice> choices;
     std::size_t taken = 0;
 };
@@ -41,6 +42,7 @@ struct MeshPlan {
     StretchModel stretch = StretchModel::PerVertex;
     GradientEstimator estimator = GradientEstimator::Analytic;
     GradientInterpolation interpolation = GradientInterpolation::Stretch;
+    int subdivisionLevel = 0;
     float leastAlpha = 0, greatestAlpha = 0; ///< of its materials over the frames, deformed; 0 without a microsurface or a plan
     std::vector<Question> questions;         ///< how it came to that; empty for a plan that was not chosen
 };
@@ -50,6 +52,7 @@ struct MultiscatterPlan {
     Multiscatter model = Multiscatter::Auto; ///< Off and Walk everywhere; Auto: by the M of each hit,
     float negligibleLoss = kNegligibleLoss;  ///< with this share of light that may be lost
     float error = 0;                         ///< predicted
+    std::optional<Question> question;        ///< how it came to that; none where the material says itself
 };
 
 struct ScenePlan {

@@ -13,10 +13,13 @@ namespace {
 
 /// Triangles a cluster: a few of Embree's leaves.
 constexpr std::size_t kCluster = 16;
+/// Frames that a forecast looks at, about.
+constexpr std::size_t kForecastFrames = 16;
 /// Meshes above this are judged by every so many-th cluster.
 constexpr std::size_t kMostClusters = 4096;
 // Measured on two cores (bvh chart): a build of medium quality beyond a refit, a ray, and how much of the boxes' growth a ray feels.
-constexpr double kBuildSeconds = 230e-9; ///< a triangle
+constexpr double kRefitSeconds = 22e-9;  ///< a triangle
+constexpr double kBuildSeconds = 230e-9; ///< a triangle, beyond a refit
 constexpr double kRaySeconds = 120e-9;   ///< a ray, all threads together
 constexpr double kSlowdown = 0.5;        ///< relative slowdown of rays per relative growth
 
@@ -83,9 +86,40 @@ double BvhPolicy::growth(std::span<const Index3> triangles, std::span<const Vec3
     return fresh_ > 0 ? boxesOverTriangles(order_, triangles, positions) / fresh_ : 1;
 }
 
-bool BvhPolicy::shouldRebuild(std::span<const Index3> triangles, std::span<const Vec3> positions, double rays) const {
-    const double lost = kSlowdown * std::max(0.0, growth(triangles, positions) - 1) * rays * kRaySeconds;
-    return lost > kBuildSeconds * static_cast<double>(triangles.size());
+double BvhPolicy::refitSeconds(std::span<const Index3> triangles, std::span<const Vec3> positions, double rays) const {
+    return kRefitSeconds * static_cast<double>(triangles.size()) +
+           kSlowdown * std::max(0.0, growth(triangles, positions) - 1) * rays * kRaySeconds;
+}
+
+double BvhPolicy::rebuildSeconds(std::span<const Index3> triangles) {
+    return (kRefitSeconds + kBuildSeconds) * static_cast<double>(triangles.size());
+}
+
+BvhForecast forecastBvh(const Object &object, int subdivisionLevel, const RenderSettings &render) {
+    BvhForecast forecast;
+    ObjectSurface surface;
+    prepareObjectSurface(object, render.fps, defaultEstimator(object), subdivisionLevel, surface);
+    const std::vector<Index3> &triangles = surface.surface.triangles;
+    BvhPolicy policy;
+    const double rays = raysPerFrame(render);
+    double ignored = 0;
+    const std::size_t stride = std::max<std::size_t>(1, render.frames.size() / kForecastFrames);
+    for (std::size_t i = 0; i < render.frames.size(); i += stride) {
+        surfaceAtFrame(surface, render.frames[i], render.fps, DMat4(1), ignored, ignored);
+        const std::vector<Vec3> &positions = surface.frame.positions;
+        if (i == 0) {
+            policy.built(triangles, positions);
+            continue;
+        }
+        ++forecast.frames;
+        forecast.refitSeconds += policy.refitSeconds(triangles, positions, rays);
+        if (!policy.shouldRebuild(triangles, positions, rays)) continue;
+        ++forecast.rebuilds;
+        policy.built(triangles, positions);
+    }
+    forecast.refitSeconds /= std::max(1, forecast.frames);
+    forecast.rebuildSeconds = BvhPolicy::rebuildSeconds(triangles);
+    return forecast;
 }
 
 } // namespace taut

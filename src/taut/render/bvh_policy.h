@@ -7,7 +7,7 @@
 /// proportion to its growth; a new build is due when the rays of a frame would pay for it. The rule looks at geometry and sample
 /// counts alone, never at a clock: the same scene gives the same bits.
 
-#include "taut/base/vec.h"
+#include "taut/scene/object_surface.h"
 
 #include <span>
 #include <vector>
@@ -19,8 +19,14 @@ class BvhPolicy {
     /// The BVH has been built on these positions.
     void built(std::span<const Index3> triangles, std::span<const Vec3> positions);
 
-    /// Whether to build rather than refit for these positions, with about this many rays to trace.
-    [[nodiscard]] bool shouldRebuild(std::span<const Index3> triangles, std::span<const Vec3> positions, double rays) const;
+    /// Whether to build rather than refit for these positions, with about this many rays to trace: where refitting costs more.
+    [[nodiscard]] bool shouldRebuild(std::span<const Index3> triangles, std::span<const Vec3> positions, double rays) const {
+        return refitSeconds(triangles, positions, rays) > rebuildSeconds(triangles);
+    }
+
+    /// What either costs this frame, as the policy reckons: a refit with what its boxes slow down its rays, a build.
+    [[nodiscard]] double refitSeconds(std::span<const Index3> triangles, std::span<const Vec3> positions, double rays) const;
+    [[nodiscard]] static double rebuildSeconds(std::span<const Index3> triangles);
 
     /// Boxes' surface over triangles' area, relative to what it was when the BVH was built: 1 when fresh.
     [[nodiscard]] double growth(std::span<const Index3> triangles, std::span<const Vec3> positions) const;
@@ -29,5 +35,18 @@ class BvhPolicy {
     std::vector<Index> order_; // triangles along a space-filling curve over the positions of the last build
     double fresh_ = 0;
 };
+
+/// What the policy will do with a mesh, by its shape at some of its frames.
+struct BvhForecast {
+    double refitSeconds = 0, rebuildSeconds = 0; ///< a frame, on average over those after the first
+    int frames = 0, rebuilds = 0;                ///< looked at; of them with a new build
+};
+BvhForecast forecastBvh(const Object &object, int subdivisionLevel, const RenderSettings &render);
+
+/// Rays of a frame, about.
+inline double raysPerFrame(const RenderSettings &render) {
+    constexpr double kRaysPerSample = 2.5;
+    return kRaysPerSample * render.width * render.height * render.spp;
+}
 
 } // namespace taut

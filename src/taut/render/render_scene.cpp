@@ -9,9 +9,6 @@ namespace taut {
 
 namespace {
 
-/// Rays a sample needs, about: what the BVH policy reckons with.
-constexpr double kRaysPerSample = 2.5;
-
 /// Poisson ratio of the material at each render vertex; where faces of several meet, one of theirs.
 std::vector<float> poissonOfVertices(const Scene &scene, const ObjectSurface &object) {
     const Surface &surface = object.surface;
@@ -100,7 +97,6 @@ void RenderScene::setFrame(double frame, StageTimes &times) {
     worldFromRender_ = camera_.worldFromCamera;
     const DMat4 renderFromWorld = inverseOfRigid(worldFromRender_);
     moveCamera(frame, renderFromWorld);
-    const double raysPerFrame = kRaysPerSample * render.width * render.height * render.spp;
     for (Index i = 0; i < objects_.size(); ++i) {
         RenderObject &object = objects_[i];
         bool moved = false;
@@ -121,7 +117,7 @@ void RenderScene::setFrame(double frame, StageTimes &times) {
         } else if (moved && object.instanced) {
             embree_.place(object.geometry, object.placements);
         } else if (moved) {
-            const bool rebuild = !plan_.mayRefit || object.bvh.shouldRebuild(object.surface.triangles, positions, raysPerFrame);
+            const bool rebuild = !plan_.mayRefit || object.bvh.shouldRebuild(object.surface.triangles, positions, raysPerFrame(render));
             embree_.update(object.geometry, rebuild);
             if (rebuild) object.bvh.built(object.surface.triangles, positions);
         }

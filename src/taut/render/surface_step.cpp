@@ -206,7 +206,7 @@ void prepareRenderObject(const Object &object, const RenderSettings &render, con
     }
     out.instanced = out.rigid && (animated || times > 1);
     out.steps.resize(out.instanced ? 1 : times);
-    prepareObjectSurface(object, render.fps, out.plan.estimator, out);
+    prepareObjectSurface(object, render.fps, out.plan.estimator, out.plan.subdivisionLevel, out);
     const Surface &surface = out.surface;
     if (out.plan.estimator == GradientEstimator::Face && !out.rigid) {
         std::vector<Vec3> rest(surface.vertexCount());

@@ -81,7 +81,11 @@ std::vector<Index> slotMaterials(LoadContext &context, const Mesh &mesh, const s
 
 /// The keys about how a mesh becomes a surface.
 void loadSurfaceModel(TableReader &table, Object &object) {
-    table.read("subdivision", object.subdivision.level, integerIn(0, kMaxSubdivisionLevel));
+    if (const TomlValue *value = table.find("subdivision")) {
+        object.planLevel = value->kind == TomlValue::Kind::String;
+        object.subdivision.level = object.planLevel ? toChoice<int>(*value, {{"auto", kUnplannedLevel}})
+                                                    : static_cast<int>(toInteger(*value, 0, kMaxSubdivisionLevel));
+    }
     table.read("scheme", object.subdivision.scheme,
                oneOf<SubdivisionScheme>({{"catmull-clark", SubdivisionScheme::CatmullClark}, {"loop", SubdivisionScheme::Loop}}));
     table.read(

@@ -23,7 +23,7 @@ struct ObjectMotion {
     std::shared_ptr<PointCacheReader> cache;
     std::array<std::vector<Vec3>, 2> cacheSamples;    ///< the samples read last,
     std::array<std::int64_t, 2> cacheNumbers{-1, -1}; ///< and which they are
-    Deformer deformer; ///< scratch
+    Deformer deformer;                                ///< scratch
     MotionState state;
 };
 

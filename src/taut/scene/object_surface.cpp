@@ -10,10 +10,10 @@ GradientEstimator defaultEstimator(const Object &object) {
 }
 
 void prepareObjectSurface(const Object &object, double fps, ObjectSurface &out) {
-    prepareObjectSurface(object, fps, defaultEstimator(object), out);
+    prepareObjectSurface(object, fps, defaultEstimator(object), object.subdivision.level, out);
 }
 
-void prepareObjectSurface(const Object &object, double fps, GradientEstimator estimator, ObjectSurface &out) {
+void prepareObjectSurface(const Object &object, double fps, GradientEstimator estimator, int subdivisionLevel, ObjectSurface &out) {
     out.object = &object;
     out.estimator = estimator;
     out.gradient.wantNormalImage = object.lean;
@@ -24,8 +24,10 @@ void prepareObjectSurface(const Object &object, double fps, GradientEstimator es
     options.fit = estimator == GradientEstimator::Angle          ? GradientFit::Angle
                   : estimator == GradientEstimator::LeastSquares ? GradientFit::LeastSquares
                                                                  : GradientFit::Area;
-    if (object.subdivision.level > 0) {
-        out.subdivision = subdivide(options.weld ? welded(*object.mesh) : *object.mesh, object.subdivision);
+    if (subdivisionLevel > 0) {
+        SubdivisionOptions subdivision = object.subdivision;
+        subdivision.level = subdivisionLevel;
+        out.subdivision = subdivide(options.weld ? welded(*object.mesh) : *object.mesh, subdivision);
         if (estimator == GradientEstimator::Limit) {
             options.limit = &*out.subdivision;
             options.cage = object.mesh->positions;

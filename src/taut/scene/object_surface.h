@@ -30,7 +30,8 @@ struct ObjectSurface {
 GradientEstimator defaultEstimator(const Object &object);
 
 /// Builds topology and the rest state. Keeps a reference to `object`.
-void prepareObjectSurface(const Object &object, double fps, GradientEstimator estimator, ObjectSurface &out);
+void prepareObjectSurface(const Object &object, double fps, GradientEstimator estimator, int subdivisionLevel, ObjectSurface &out);
+/// With the object's default estimator and its own level.
 void prepareObjectSurface(const Object &object, double fps, ObjectSurface &out);
 
 /// Positions and gradient of the surface vertices at a frame, in target space. Adds the seconds that positions took to

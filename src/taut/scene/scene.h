@@ -93,6 +93,9 @@ struct CacheMotion {
     std::string path;
 };
 
+/// Level of an object whose level a plan would choose, where there is none.
+inline constexpr int kUnplannedLevel = 3;
+
 struct RestState {
     bool bind = true; ///< undeformed mesh or bind pose; else the shape at `frame`
     double frame = 0;
@@ -109,9 +112,10 @@ struct Object {
     std::vector<DeformerKeys> deformers; ///< in the object's space, before the placement (glTF: in the file's scene space)
     Placement placement;
     SubdivisionOptions subdivision;
-    bool smooth = true; ///< without file normals: smooth normals; false: faceted
-    bool follow = true; ///< false: roughness held fixed on the deformed tangent frame
-    bool lean = false;  ///< deformers move the space above the surface too: M takes their shear and stretch along the normal
+    bool planLevel = false; ///< the plan chooses subdivision.level; what that holds is for those who do not plan
+    bool smooth = true;     ///< without file normals: smooth normals; false: faceted
+    bool follow = true;     ///< false: roughness held fixed on the deformed tangent frame
+    bool lean = false;      ///< deformers move the space above the surface too: M takes their shear and stretch along the normal
     std::optional<GradientEstimator> gradient;          ///< none: the plan chooses
     std::optional<GradientInterpolation> interpolation; ///< none: the plan chooses
     RestState rest;
