@@ -82,38 +82,14 @@ void GradientField::add(const ObjectSurface &object) {
     folded = std::max(folded, foldedNow);
 }
 
-void GradientField::addFit(const ObjectSurface &exact, const ObjectSurface &fit) {
-    hasFit = true;
-    for (std::size_t v = 0; v < exact.surface.vertexCount(); ++v) {
-        const Index s = exact.surface.vertexSurface[v];
-        const SymmetricTensor a = polarAt(exact, v).stretch;
-        const SymmetricTensor b = polarAt(fit, v).stretch;
-        const float area = glm::length(glm::cross(exact.gradient.f1[s], exact.gradient.f2[s]));
-        const float greatest =
-            std::sqrt(glm::dot(exact.gradient.f1[s], exact.gradient.f1[s]) + glm::dot(exact.gradient.f2[s], exact.gradient.f2[s]));
-        const float least = std::fmax(area / std::fmax(greatest, 1e-20F), kLeastSingularValue);
-        fitStretch = std::fmax(fitStretch, distance(a, b) / least);
-        const Vec3 &n = exact.gradient.normal[s];
-        const Vec3 &m = fit.gradient.normal[s];
-        fitAngle = std::fmax(fitAngle, std::atan2(glm::length(glm::cross(n, m)), glm::dot(n, m)));
-    }
-}
-
 GradientField measureGradientField(const Object &object, int subdivisionLevel, std::span<const int> frames, double fps) {
     GradientField field;
-    const GradientEstimator estimator = defaultEstimator(object);
-    const bool comparesFit = estimator == GradientEstimator::Analytic && !object.gradient && !object.lean;
-    ObjectSurface exact;
-    prepareObjectSurface(object, fps, estimator, subdivisionLevel, exact);
-    ObjectSurface fit;
-    if (comparesFit) prepareObjectSurface(object, fps, GradientEstimator::Area, subdivisionLevel, fit);
+    ObjectSurface surface;
+    prepareObjectSurface(object, fps, defaultEstimator(object), subdivisionLevel, surface);
     double ignored = 0;
     for (const int frame : frames) {
-        deformAtFrame(exact, frame, fps, DMat4(1), ignored, ignored);
-        field.add(exact);
-        if (!comparesFit) continue;
-        deformAtFrame(fit, frame, fps, DMat4(1), ignored, ignored);
-        field.addFit(exact, fit);
+        deformAtFrame(surface, frame, fps, DMat4(1), ignored, ignored);
+        field.add(surface);
     }
     return field;
 }

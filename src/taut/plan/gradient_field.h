@@ -18,16 +18,11 @@ struct GradientField {
     float withinFace = 0;       ///< V of a corner from the mean of its triangle
     float lean = 0;             ///< |tangential part of F n0| / lambda
     float logNormalStretch = 0; ///< |log lambda|, lambda = (F n0).n
-    bool hasFit = false;        ///< the Analytic estimator differs from the Area fit:
-    float fitStretch = 0;       ///< V of the fit from it
-    float fitAngle = 0;         ///< and the normal, radians
     std::size_t collapsed = 0;  ///< most vertices at once whose smaller stretch is under 1e-3 of the larger
     std::size_t folded = 0;     ///< most triangles at once that turned over against their vertex normals
 
     /// Takes in one frame of the object as it stands (deformAtFrame).
     void add(const ObjectSurface &object);
-    /// Takes in how far another estimator is off at the same frame.
-    void addFit(const ObjectSurface &exact, const ObjectSurface &fit);
 };
 
 /// Evaluates the object, refined to a level, at each of the frames, in world space.

@@ -20,16 +20,16 @@ constexpr float kGrazingLoss = 2;
 /// A lobe's relative change for a relative change of both its widths, at its peak.
 constexpr float kPeakFactor = 2;
 
-// Measured on two cores at 2.5 GHz (taut_surface_bench, taut_reflection_bench), nanoseconds.
+// Measured on two cores at 2.5 GHz (taut_surface_bench, taut_reflection_bench, charts gradient and plan), nanoseconds.
 constexpr float kUniformCost = 9;
 constexpr float kFaceCost = 11;
 constexpr float kVertexCost = 16;
 constexpr float kLeanCost = 21;
-constexpr float kFitCost = 30;
-constexpr float kAnalyticCost = 45;
+constexpr float kLimitCost = 83;
+constexpr float kAnalyticCost = 128;
 constexpr float kCompensationCost = 330;
-constexpr float kWalkCost = 340;
-constexpr float kRefitCost = 45; ///< a vertex, of its BVH
+constexpr float kWalkCost = 1200; ///< 340, for three and a half times the variance
+constexpr float kRefitCost = 45;  ///< a vertex, of its BVH
 
 /// Level at which refinement errors are measured; those of the others follow, at a factor of four a level.
 constexpr int kProbeLevel = 2;
@@ -98,10 +98,10 @@ Question interpolationQuestion(const GradientField &field) {
     return {"interpolation", "ns a hit", {{"face", kPeakFactor * field.withinFace, kFaceCost}, {"stretch", 0, kVertexCost}}, 0};
 }
 
-/// The fit moves normals as well, which moves a lobe by twice the angle against a width of twice alpha.
-Question gradientQuestion(const GradientField &field, const AlphaRange &alpha) {
-    const float error = kPeakFactor * (field.fitStretch + field.fitAngle / alpha.least);
-    return {"gradient", "ns a vertex", {{"area", error, kFitCost}, {"analytic", 0, kAnalyticCost}}, 0};
+/// The exact estimators are the cheapest as well (chart gradient): a fit costs more than carrying two vectors along.
+Question gradientQuestion(GradientEstimator estimator) {
+    if (estimator == GradientEstimator::Limit) return {"gradient", "ns a vertex", {{"limit", 0, kLimitCost}}, 0};
+    return {"gradient", "ns a vertex", {{"analytic", 0, kAnalyticCost}}, 0};
 }
 
 float leastRestAlpha(const Scene &scene, const Object &object) {
@@ -140,7 +140,7 @@ Question subdivisionQuestion(const Scene &scene, const Object &object, const Ref
         const float scale = std::pow(4.0F, static_cast<float>(kProbeLevel - level));
         const float lobes = kViewFactor * kPeakFactor * scale * (probe.stretch + probe.normal / std::fmin(leastAlpha, 1.0F));
         q.choices.push_back({"level " + std::to_string(level), lobes + silhouetteError(scene, probe, scale * probe.position),
-                             probe.vertices / scale * (kFitCost + kRefitCost) * 1e-3F});
+                             probe.vertices / scale * (kLimitCost + kRefitCost) * 1e-3F});
     }
     q.choices.back().error = 0; // the finest level is what the full model takes
     return q;
@@ -162,13 +162,7 @@ void planMesh(const Object &object, const GradientField &field, const AlphaRange
         plan.interpolation = interpolation.taken == 0 ? GradientInterpolation::Face : GradientInterpolation::Stretch;
         plan.questions.push_back(std::move(interpolation));
     }
-    // Normals come from the estimator too, so it matters whatever the stretch model.
-    if (plan.estimator == GradientEstimator::Analytic && plan.stretch != StretchModel::Leaning && field.hasFit && !object.gradient) {
-        Question gradient = gradientQuestion(field, alpha);
-        take(gradient, left);
-        if (gradient.taken == 0) plan.estimator = GradientEstimator::Area;
-        plan.questions.push_back(std::move(gradient));
-    }
+    if (!object.gradient && !isRigid(object)) plan.questions.push_back(gradientQuestion(plan.estimator));
 }
 
 MultiscatterPlan planMultiscatter(const Material &material, float greatestAlpha, float budget) {
@@ -178,7 +172,7 @@ MultiscatterPlan planMultiscatter(const Material &material, float greatestAlpha,
     if (!chooses) return plan;
     const float loss = 1 - energy::averageAlbedo(microTransformFromAlpha(greatestAlpha, greatestAlpha));
     plan.negligibleLoss = 0.5F * budget / kGrazingLoss;
-    Question q{"multiscatter", "ns a hit", {{"off", kGrazingLoss * loss, 0}}, 0};
+    Question q{"multiscatter", "ns a hit at equal noise", {{"off", kGrazingLoss * loss, 0}}, 0};
     if (material.type == MaterialType::Conductor)
         q.choices.push_back(
             {"compensation where M asks for it", kGrazingLoss * plan.negligibleLoss + kCompensationLobeError * loss, kCompensationCost});
