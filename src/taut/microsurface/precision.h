@@ -1,5 +1,5 @@
 #pragma once
-/// How many digits float leaves: every formulation of reference.h, in float, against the stable forms in long double, over alpha 1e-4 ..
+/// How many digits float (or double) leaves: every formulation of reference.h against the stable forms in long double, over alpha 1e-4 ..
 /// 10, stretch 1e-3 .. 1e3, shear 0 .. 1e3 and views to 89.999 degrees. Called by taut_precision, by its test and by charts.
 ///
 /// The surface is M = [1 shear; 0 1] diag(stretch, 1) / alpha. The truth is evaluated at the float inputs (the canonical M, wo and wi as
@@ -39,7 +39,7 @@ struct Formulation {
 };
 
 /// Their order in sweep().
-enum FormulationIndex : std::size_t { kStable, kRoundedInputs, kWalter, kCosineSquared, kChain, kTensor, kFormulations };
+enum FormulationIndex : std::size_t { kStable, kRoundedInputs, kWalter, kCosineSquared, kChain, kTensor, kTextbook, kFormulations };
 
 struct Summary {
     double median = 0;
@@ -136,50 +136,67 @@ template <class Random> Exact drawWi(const BasicMicroTransform<Real> &m, const E
 
 } // namespace detail
 
-/// The whole sweep, from one fixed seed; `perPlace` samples at each of its 3080 places.
-inline std::vector<Formulation> sweep(int perPlace = 16) {
-    using namespace detail;
-    std::vector<Formulation> all(kFormulations);
-    const std::array<const char *, kFormulations> names{"stable", "stable, inputs rounded", "Walter, tan^2",
-                                                        "cos^2",  "chain of Jacobians",     "tensor S"};
-    for (std::size_t i = 0; i < kFormulations; ++i) all[i].name = names[i];
-    std::mt19937 random(1);
-    std::uniform_real_distribution<Real> turn(0, 2 * std::numbers::pi_v<Real>);
-    const auto round = [](const Exact &w) { return Vec3(w); };
+/// Takes samples at places, from one fixed seed, with the formulations evaluated in T.
+template <class T> class Sweep {
+    using Real = detail::Real;
+    using Exact = detail::Exact;
 
-    std::uniform_real_distribution<Real> jitter(1, 1.1L); // round numbers are often exact in float, and flatter
-    const auto visit = [&](Place place) {
-        const Real scale = jitter(random) / place.alpha;
-        const auto exactM = microTransform<Real>(place.stretch * jitter(random) * scale, place.shear * jitter(random) * scale, 0, scale);
-        const MicroTransform m = canonicalTransform(double(exactM.a), double(exactM.b), double(exactM.d));
-        const Exact exactWo = directionAt(place.theta, turn(random));
-        const Exact exactWi = drawWi(exactM, exactWo, random, place.inLobe);
-        const Vec3 wo = round(exactWo);
-        const Vec3 wi = round(exactWi);
+  public:
+    Sweep() : all_(kFormulations) {
+        const std::array<const char *, kFormulations> names{
+            "stable", "stable, inputs rounded", "Walter, tan^2", "cos^2", "chain of Jacobians", "tensor S", "textbook, x^2/alpha^2"};
+        for (std::size_t i = 0; i < kFormulations; ++i) all_[i].name = names[i];
+    }
+
+    /// One sample of every formulation; none where wo or wi rounds to the horizon.
+    void visit(Place place) {
+        using namespace detail;
+        const Real scale = jitter_(random_) / place.alpha;
+        const auto exactM =
+            microTransform<Real>(place.stretch * jitter_(random_) * scale, place.shear * jitter_(random_) * scale, 0, scale);
+        using W = Wider<T>;
+        const auto m = canonicalTransform<T>(W(exactM.a), W(exactM.b), W(exactM.d));
+        const Exact exactWo = directionAt(place.theta, turn_(random_));
+        const Exact exactWi = drawWi(exactM, exactWo, random_, place.inLobe);
+        const Vector3<T> wo(exactWo);
+        const Vector3<T> wi(exactWi);
         if (!(wi.z > 0) || !(wo.z > 0)) return;
         const auto inputs = canonicalTransform<Real>(m.a, m.b, m.d);
         const Values truth = values(reference::Stable<Real>(inputs), Exact(wo), Exact(wi));
         const Values unrounded = values(reference::Stable<Real>(exactM), exactWo, exactWi);
         const auto exactAlpha = equivalentAlpha(inputs);
-        const EquivalentAlpha alpha{static_cast<float>(exactAlpha.max), static_cast<float>(exactAlpha.min),
-                                    static_cast<float>(exactAlpha.phi)};
-        const Values stable = values(reference::Stable<float>(m), wo, wi);
-        all[kStable].samples.push_back(sampleOf(place, stable, truth));
-        all[kRoundedInputs].samples.push_back(sampleOf(place, stable, unrounded));
-        all[kWalter].samples.push_back(sampleOf(place, values(reference::Walter<float>(alpha), wo, wi), truth));
-        all[kCosineSquared].samples.push_back(sampleOf(place, values(reference::CosineSquared<float>(alpha), wo, wi), truth));
-        all[kChain].samples.push_back(sampleOf(place, values(reference::JacobianChain<float>(m), wo, wi), truth));
-        all[kTensor].samples.push_back(sampleOf(place, values(reference::Tensor<float>(m), wo, wi), truth));
-    };
+        const BasicEquivalentAlpha<T> alpha{static_cast<T>(exactAlpha.max), static_cast<T>(exactAlpha.min), static_cast<T>(exactAlpha.phi)};
+        const Values stable = values(reference::Stable<T>(m), wo, wi);
+        all_[kStable].samples.push_back(sampleOf(place, stable, truth));
+        all_[kRoundedInputs].samples.push_back(sampleOf(place, stable, unrounded));
+        all_[kWalter].samples.push_back(sampleOf(place, values(reference::Walter<T>(alpha), wo, wi), truth));
+        all_[kCosineSquared].samples.push_back(sampleOf(place, values(reference::CosineSquared<T>(alpha), wo, wi), truth));
+        all_[kChain].samples.push_back(sampleOf(place, values(reference::JacobianChain<T>(m), wo, wi), truth));
+        all_[kTensor].samples.push_back(sampleOf(place, values(reference::Tensor<T>(m), wo, wi), truth));
+        all_[kTextbook].samples.push_back(sampleOf(place, values(reference::Textbook<T>(alpha), wo, wi), truth));
+    }
+
+    [[nodiscard]] const std::vector<Formulation> &formulations() const { return all_; }
+
+  private:
+    std::vector<Formulation> all_;
+    std::mt19937 random_{1};
+    std::uniform_real_distribution<Real> turn_{0, 2 * std::numbers::pi_v<Real>};
+    std::uniform_real_distribution<Real> jitter_{1, 1.1L}; ///< round numbers are often exact in float, and flatter
+};
+
+/// The whole sweep; `perPlace` samples at each of its 3080 places.
+template <class T = float> std::vector<Formulation> sweep(int perPlace = 16) {
+    Sweep<T> samples;
     for (int half = -8; half <= 2; ++half) // alpha in half decades
         for (int decade = -3; decade <= 3; ++decade)
             for (const float shear : {0.0F, 1.0F, 10.0F, 100.0F, 1000.0F})
-                for (const float theta : kThetas) {
+                for (const float theta : detail::kThetas) {
                     const Place place{std::pow(10.0F, 0.5F * static_cast<float>(half)), std::pow(10.0F, static_cast<float>(decade)), shear,
                                       theta, false};
-                    for (int i = 0; i < perPlace; ++i) visit(place);
+                    for (int i = 0; i < perPlace; ++i) samples.visit(place);
                 }
-    return all;
+    return samples.formulations();
 }
 
 } // namespace taut::precision

@@ -3,7 +3,7 @@
 /// Equal in exact arithmetic; each loses digits somewhere in float (docs/precision.md). Templates over the real type. Nothing
 /// renders with them.
 ///
-/// Three of them share a shape, so that a loop can go over formulations: built from a transform, with D(wm), G1(w), reflectionPdf(wo, wi)
+/// They share a shape, so that a loop can go over formulations: built from a transform, with D(wm), G1(w), reflectionPdf(wo, wi)
 /// of visible normals and weight(wo, wi) = G2 / G1(wo), height-correlated. Unit directions, wo.z and wi.z > 0, upright M.
 
 #include "taut/microsurface/ggx.h"
@@ -47,6 +47,36 @@ template <class T> class Walter {
         const T length = glm::length(turned);
         return length > 0 ? turned / length : Vector2<T>(1, 0);
     }
+    T alphaX_, alphaY_, cosine_, sine_;
+};
+
+/// GGX as textbooks write it with (alphaX, alphaY): x^2/alphaX^2 + y^2/alphaY^2 + z^2 of the unit half vector (Heitz 2014, eq. 85), Lambda
+/// from the same sum under a root; here with a rotation.
+template <class T> class Textbook {
+  public:
+    explicit Textbook(const BasicEquivalentAlpha<T> &alpha)
+        : alphaX_(alpha.max), alphaY_(alpha.min), cosine_(std::cos(alpha.phi)), sine_(std::sin(alpha.phi)) {}
+
+    [[nodiscard]] T D(const Vector3<T> &wo, const Vector3<T> &wi) const { return D(glm::normalize(wo + wi)); }
+    [[nodiscard]] T D(const Vector3<T> &wm) const {
+        if (!(wm.z > 0)) return 0;
+        const Vector2<T> w = turned(wm);
+        const T e = sqr(w.x / alphaX_) + sqr(w.y / alphaY_) + wm.z * wm.z;
+        return 1 / (std::numbers::pi_v<T> * alphaX_ * alphaY_ * e * e);
+    }
+    [[nodiscard]] T lambda(const Vector3<T> &w) const {
+        const Vector2<T> t = turned(w);
+        return (std::sqrt(1 + (sqr(alphaX_ * t.x) + sqr(alphaY_ * t.y)) / (w.z * w.z)) - 1) / 2;
+    }
+    [[nodiscard]] T G1(const Vector3<T> &w) const { return 1 / (1 + lambda(w)); }
+    [[nodiscard]] T reflectionPdf(const Vector3<T> &wo, const Vector3<T> &wi) const { return G1(wo) * D(wo, wi) / (4 * wo.z); }
+    [[nodiscard]] T weight(const Vector3<T> &wo, const Vector3<T> &wi) const {
+        const T o = lambda(wo);
+        return (1 + o) / (1 + o + lambda(wi));
+    }
+
+  private:
+    [[nodiscard]] Vector2<T> turned(const Vector3<T> &w) const { return {cosine_ * w.x + sine_ * w.y, cosine_ * w.y - sine_ * w.x}; }
     T alphaX_, alphaY_, cosine_, sine_;
 };
 
