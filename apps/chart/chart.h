@@ -49,7 +49,8 @@ struct Map {
     std::string name, title, conditions;
     Axis x, y;
     std::vector<double> xs, ys, values;
-    std::string valueName; ///< with unit, if any; drawn on a logarithmic scale
+    std::string valueName;    ///< with unit, if any; drawn on a logarithmic scale
+    double low = 0, high = 0; ///< ends of that scale, for maps that share it; 0, 0: from the values
 };
 
 /// A rendered picture, already written beside the report.

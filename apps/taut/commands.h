@@ -14,6 +14,7 @@ void addRender(CLI::App &parent, Run &run);
 void addInfo(CLI::App &parent, Run &run);
 void addExport(CLI::App &parent, Run &run);
 void addProbe(CLI::App &parent, Run &run);
+void addChart(CLI::App &parent, Run &run);
 
 /// Prints each warning as one line on standard error.
 void printWarnings(const Warnings &warnings);

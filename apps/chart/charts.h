@@ -1,0 +1,20 @@
+#pragma once
+/// Every chart of `taut chart`, by name; each is measured by a function of its own in NAME_chart.cpp.
+
+#include "chart/chart.h"
+
+#include <span>
+
+namespace taut::chart {
+
+Chart measurePrecision(const ChartOptions &options);
+
+struct ChartEntry {
+    const char *name;
+    const char *what; ///< half a line for --help
+    Chart (*measure)(const ChartOptions &);
+};
+/// In the order of the report.
+std::span<const ChartEntry> allCharts();
+
+} // namespace taut::chart

@@ -1,0 +1,76 @@
+#include "chart/plot_labels.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace taut::chart {
+
+namespace {
+
+struct Box {
+    double x, y, halfWidth, halfHeight; // pixels
+    [[nodiscard]] bool overlaps(const Box &other) const {
+        return std::fabs(x - other.x) < halfWidth + other.halfWidth && std::fabs(y - other.y) < halfHeight + other.halfHeight;
+    }
+};
+
+/// Characters of UTF-8.
+std::size_t lengthOf(const std::string &text) {
+    return static_cast<std::size_t>(
+        std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
+}
+
+constexpr double kMark = 7;        ///< half a mark
+constexpr double kCharacter = 6.8; ///< of an 11 pixel font, wide ones
+constexpr double kHalfHeight = 7;
+
+} // namespace
+
+std::vector<PlotLabel> placeLabels(const Panel &panel, const std::vector<std::size_t> &front, const PlotArea &area, const PlotScale &x,
+                                   const PlotScale &y) {
+    std::vector<Box> taken;
+    for (const Point &p : panel.points)
+        taken.push_back({area.width * (area.left + (area.right - area.left) * x.share(p.x.value)),
+                         area.height * (area.bottom + (area.top - area.bottom) * y.share(p.y.value)), kMark, kMark});
+    // The front's steps: across at one point's error, then down to the next.
+    for (std::size_t i = 0; i + 1 < front.size(); ++i) {
+        const Box a = taken[front[i]];
+        const Box b = taken[front[i + 1]];
+        taken.push_back({(a.x + b.x) / 2, a.y, std::fabs(b.x - a.x) / 2, 1});
+        taken.push_back({b.x, (a.y + b.y) / 2, 1, std::fabs(b.y - a.y) / 2});
+    }
+    if (!front.empty()) {
+        const Box first = taken[front.front()];
+        const Box last = taken[front.back()];
+        taken.push_back({first.x, (first.y + area.height * area.top) / 2, 1, (area.height * area.top - first.y) / 2});
+        taken.push_back({(last.x + area.width * area.right) / 2, last.y, (area.width * area.right - last.x) / 2, 1});
+    }
+    std::vector<std::size_t> order;
+    const auto wanted = [&](std::size_t i) { return panel.points[i].isDefault || std::find(front.begin(), front.end(), i) != front.end(); };
+    for (const bool first : {true, false})
+        for (std::size_t i = 0; i < panel.points.size(); ++i)
+            if (wanted(i) == first && !panel.points[i].label.empty()) order.push_back(i);
+
+    std::vector<PlotLabel> labels;
+    for (const std::size_t i : order) {
+        const Box point = taken[i];
+        const double half = kCharacter * static_cast<double>(lengthOf(panel.points[i].label)) / 2;
+        const double aside = half + kMark + 3;
+        const double above = kHalfHeight + kMark + 2;
+        const Box places[] = {{point.x + aside, point.y, half, kHalfHeight},         {point.x - aside, point.y, half, kHalfHeight},
+                              {point.x, point.y + above, half, kHalfHeight},         {point.x, point.y - above, half, kHalfHeight},
+                              {point.x + aside, point.y + above, half, kHalfHeight}, {point.x - aside, point.y + above, half, kHalfHeight},
+                              {point.x + aside, point.y - above, half, kHalfHeight}, {point.x - aside, point.y - above, half, kHalfHeight}};
+        for (const Box &place : places) {
+            const bool inside = place.x - half > area.width * area.left && place.x + half < area.width * area.right &&
+                                place.y - kHalfHeight > area.height * area.bottom && place.y + kHalfHeight < area.height * area.top;
+            if (!inside || std::any_of(taken.begin(), taken.end(), [&](const Box &other) { return place.overlaps(other); })) continue;
+            taken.push_back(place);
+            labels.push_back({panel.points[i].label, place.x / area.width, place.y / area.height});
+            break;
+        }
+    }
+    return labels;
+}
+
+} // namespace taut::chart

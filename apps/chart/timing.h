@@ -1,0 +1,41 @@
+#pragma once
+/// Times that can be compared on a busy machine: every row is run once per round, so that what else runs slows all rows alike, and the
+/// median over the rounds is kept with half the distance between its quartiles.
+
+#include "chart/chart.h"
+
+#include "taut/base/stopwatch.h"
+
+#include <algorithm>
+#include <functional>
+#include <span>
+
+namespace taut::chart {
+
+/// Median and half the distance between the quartiles; the values are not empty.
+inline Measured medianOf(std::vector<double> values) {
+    std::sort(values.begin(), values.end());
+    const auto at = [&](double share) { return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5)]; };
+    return {at(0.5), (at(0.75) - at(0.25)) / 2, static_cast<int>(values.size())};
+}
+
+inline Measured operator*(const Measured &m, double factor) {
+    return {m.value * factor, m.spread * factor, m.repetitions};
+}
+
+/// Seconds of each row, from `rounds` rounds over all of them after one that is not counted. A row runs for long enough to be timed
+/// (a millisecond or more).
+inline std::vector<Measured> timeInterleaved(std::span<const std::function<void()>> rows, int rounds) {
+    std::vector<std::vector<double>> seconds(rows.size());
+    for (int round = -1; round < rounds; ++round)
+        for (std::size_t i = 0; i < rows.size(); ++i) {
+            Stopwatch watch;
+            rows[i]();
+            if (round >= 0) seconds[i].push_back(watch.lap());
+        }
+    std::vector<Measured> medians;
+    for (std::vector<double> &row : seconds) medians.push_back(medianOf(std::move(row)));
+    return medians;
+}
+
+} // namespace taut::chart

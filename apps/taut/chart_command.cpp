@@ -1,0 +1,117 @@
+/// taut chart: measures speed against accuracy on this machine and writes CSV, plots and one page. Documented in docs/charts.md.
+
+#include "commands.h"
+
+#include "chart/charts.h"
+#include "chart/csv.h"
+#include "chart/front.h"
+#include "chart/report.h"
+
+#include "taut/base/stopwatch.h"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+
+namespace taut::app {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct ChartArguments {
+    std::vector<std::string> names;
+    std::string output = "report";
+    std::string against;
+    bool quick = false, full = false, check = false;
+};
+
+std::vector<chart::ChartEntry> chosenCharts(const std::vector<std::string> &names) {
+    std::vector<std::string_view> valid;
+    for (const chart::ChartEntry &entry : chart::allCharts()) valid.emplace_back(entry.name);
+    valid.emplace_back("all");
+    for (const std::string &name : names)
+        if (std::find(valid.begin(), valid.end(), name) == valid.end()) failUnknownName({"chart"}, name, valid);
+    std::vector<chart::ChartEntry> chosen;
+    for (const chart::ChartEntry &entry : chart::allCharts())
+        for (const std::string &name : names)
+            if (name == "all" || name == entry.name) {
+                chosen.push_back(entry);
+                break;
+            }
+    return chosen;
+}
+
+/// Prints how the panels of a chart were ordered by an earlier report, and returns the number of pairs that changed places.
+std::size_t compareWith(const fs::path &earlier, const chart::Chart &now) {
+    std::size_t turned = 0;
+    std::size_t pairs = 0;
+    for (const chart::Panel &panel : now.panels) {
+        const chart::Ranking ranking = compareRankings(chart::readPanel(fileOf(earlier, now, panel.name, "csv")), panel);
+        for (const std::string &line : ranking.turned) std::cout << now.name << "/" << line << std::endl;
+        pairs += ranking.pairs;
+        turned += ranking.turned.size();
+    }
+    std::cout << fmt::format("{}: {} of {} pairs change places against {}", now.name, turned, pairs, earlier.string()) << std::endl;
+    return turned;
+}
+
+chart::Section draw(const chart::Chart &measured, const fs::path &directory) {
+    chart::Section section{measured, {}, {}};
+    for (const chart::Panel &panel : measured.panels) section.panels.push_back(drawPanel(measured, panel, directory));
+    for (const chart::Map &map : measured.maps) section.maps.push_back(drawMap(measured, map, directory));
+    return section;
+}
+
+int run(const ChartArguments &arguments) {
+    const auto entries = chosenCharts(arguments.names);
+    chart::requireGnuplot();
+    const chart::ChartOptions options{arguments.full ? chart::Effort::Full : chart::Effort::Quick, arguments.output};
+    std::error_code error;
+    fs::create_directories(options.directory, error);
+    if (error) failInput({"--output"}, quoted(arguments.output), "a folder that can be made");
+    std::vector<chart::Section> sections;
+    std::vector<std::string> off;
+    std::size_t turned = 0;
+    for (const chart::ChartEntry &entry : entries) {
+        Stopwatch watch;
+        const chart::Chart measured = entry.measure(options);
+        const double seconds = watch.lap();
+        if (!arguments.against.empty()) turned += compareWith(arguments.against, measured);
+        writeCsv(measured, options.directory);
+        sections.push_back(draw(measured, options.directory));
+        std::cout << fmt::format("{}: measured in {:.1f} s, drawn in {:.1f} s", entry.name, seconds, watch.lap()) << std::endl;
+        for (std::string &line : checkDefaults(measured)) off.push_back(std::move(line));
+    }
+    const std::string date = fmt::format("{:%Y-%m-%d %H:%M} UTC", fmt::gmtime(std::time(nullptr)));
+    const fs::path page = options.directory / "index.html";
+    std::ofstream file(page, std::ios::binary | std::ios::trunc);
+    file << reportPage(sections, options.effort, chart::describeMachine(), date);
+    if (!file.flush()) throw RunError(page.string() + ": can't be written");
+    std::cout << page.string() << std::endl;
+    for (const std::string &line : off) std::cout << line << std::endl;
+    if (arguments.check) std::cout << (off.empty() ? "every default is on its front" : "some defaults are off their fronts") << std::endl;
+    return (arguments.check && !off.empty()) || turned > 0 ? 1 : 0;
+}
+
+} // namespace
+
+void addChart(CLI::App &parent, Run &run_) {
+    auto arguments = std::make_shared<ChartArguments>();
+    CLI::App *command = parent.add_subcommand("chart", "Measures speed against accuracy and writes a report");
+    std::string names;
+    for (const chart::ChartEntry &entry : chart::allCharts()) names += fmt::format("\n{}: {}", entry.name, entry.what);
+    command->add_option("charts", arguments->names, "Which; all: every one." + names)->required();
+    command->add_option("-o,--output", arguments->output, "Folder of the report (default: report)");
+    CLI::Option *full = command->add_flag("--full", arguments->full, "As long as it needs");
+    command->add_flag("--quick", arguments->quick, "All of them in ten minutes (default)")->excludes(full);
+    command->add_flag("--check", arguments->check, "Exit 1 where a default is off its front by more than the measured spread");
+    command->add_option("--against", arguments->against, "An earlier report: exit 1 where choices have changed places")
+        ->check(CLI::ExistingDirectory);
+    command->callback([&run_, arguments] { run_ = [arguments] { return run(*arguments); }; });
+}
+
+} // namespace taut::app
