@@ -28,10 +28,24 @@ constexpr double kHalfHeight = 7;
 
 std::vector<PlotLabel> placeLabels(const Panel &panel, const std::vector<std::size_t> &front, const PlotArea &area, const PlotScale &x,
                                    const PlotScale &y) {
+    const auto across = [&](double value) { return area.width * (area.left + (area.right - area.left) * x.share(value)); };
+    const auto upwards = [&](double value) { return area.height * (area.bottom + (area.top - area.bottom) * y.share(value)); };
     std::vector<Box> taken;
-    for (const Point &p : panel.points)
-        taken.push_back({area.width * (area.left + (area.right - area.left) * x.share(p.x.value)),
-                         area.height * (area.bottom + (area.top - area.bottom) * y.share(p.y.value)), kMark, kMark});
+    for (const Point &p : panel.points) taken.push_back({across(p.x.value), upwards(p.y.value), kMark, kMark});
+    for (std::size_t i = 0; i < panel.points.size(); ++i) { // bars of spread
+        const Point &p = panel.points[i];
+        const Box mark = taken[i];
+        if (p.x.spread > 0) {
+            const double left = across(p.x.value - p.x.spread);
+            const double right = across(p.x.value + p.x.spread);
+            taken.push_back({(left + right) / 2, mark.y, (right - left) / 2 + 2, 4});
+        }
+        if (p.y.spread > 0) {
+            const double low = upwards(p.y.value - p.y.spread);
+            const double high = upwards(p.y.value + p.y.spread);
+            taken.push_back({mark.x, (low + high) / 2, 4, (high - low) / 2 + 2});
+        }
+    }
     // The front's steps: across at one point's error, then down to the next.
     for (std::size_t i = 0; i + 1 < front.size(); ++i) {
         const Box a = taken[front[i]];

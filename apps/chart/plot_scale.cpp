@@ -96,7 +96,7 @@ PlotScale::PlotScale(const Axis &axis, const std::vector<Measured> &values) : lo
         tics_ = linearTics(low_, high_);
         if (infinities) high_ += 2 * room;
     }
-    if (infinities) tics_.emplace_back("not finite", infiniteAt_);
+    if (infinities) tics_.emplace_back("∞", infiniteAt_);
 }
 
 double PlotScale::place(double value) const {

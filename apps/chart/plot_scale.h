@@ -8,7 +8,7 @@
 
 namespace taut::chart {
 
-/// On a logarithmic axis 0 stands at the lower end, marked "0", and what is not finite at the upper end, marked so.
+/// On a logarithmic axis 0 stands at the lower end, marked "0", and what is not finite at the upper end, marked "∞".
 class PlotScale {
   public:
     /// Fits `values` (each with its spread) with a little room.

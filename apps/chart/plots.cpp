@@ -49,17 +49,23 @@ std::string terminal(Format format, int width, int height, const std::filesystem
     return "reset\nset encoding utf8\nset term " + kind + " noenhanced\nset output " + literal(output.string()) + "\n";
 }
 
-std::string axisText(char axis, const Axis &what, const PlotScale &scale) {
+std::string axisText(char axis, const PlotScale &scale) {
     const std::string a(1, axis);
     std::string text = scale.logarithmic() ? "set logscale " + a + "\n" : "";
-    text += "set " + a + "range [" + number(scale.low()) + ":" + number(scale.high()) + "]\nset " + a + "label " + literal(nameOf(what)) +
-            "\nset " + a + "tics nomirror (";
+    text += "set " + a + "range [" + number(scale.low()) + ":" + number(scale.high()) + "]\nset " + a + "tics nomirror (";
     const char *comma = "";
     for (const auto &[label, at] : scale.tics()) {
         text += comma + literal(label) + " " + number(at);
         comma = ", ";
     }
     return text + ")\n";
+}
+
+/// Names of both axes at places of their own: gnuplot drops one that its tics leave no room for.
+std::string axisNames(const Axis &x, const Axis &y, const PlotArea &area, double down, double aside) {
+    return "set label " + literal(nameOf(x)) + " at screen " + number((area.left + area.right) / 2) + "," +
+           number(area.bottom - down / area.height) + " center\nset label " + literal(nameOf(y)) + " at screen " +
+           number(aside / area.width) + "," + number((area.bottom + area.top) / 2) + " center rotate by 90\n";
 }
 
 std::string margins(const PlotArea &area) {
@@ -92,19 +98,19 @@ Shape narrowShape(std::size_t keyLines) {
     return {400, height, {400.0, double(height), 0.19, 0.95, bottom, 0.97}, false, true};
 }
 
-std::string panelScript(const Panel &panel, const Shape &shape, const PlotScale &x, const PlotScale &y) {
+std::string panelScript(const Panel &panel, const Shape &shape, Format format, const PlotScale &x, const PlotScale &y) {
     const std::vector<std::string> series = seriesOf(panel);
     const std::vector<std::size_t> front = panel.hasFront ? paretoFront(panel.points) : std::vector<std::size_t>();
     std::string text = margins(shape.area);
     if (shape.titled) text += "set title " + literal(panel.title) + "\n";
-    text += axisText('x', panel.x, x) + axisText('y', panel.y, y);
+    text += axisText('x', x) + axisText('y', y) + axisNames(panel.x, panel.y, shape.area, 42, 14);
     text += "set grid lc rgb '#dddddd' lw 0.7\nset border 3 lc rgb '#444444'\n";
     text += shape.keyBelow ? "set key at screen 0.03," + number(shape.area.bottom - 58.0 / shape.height) +
                                  " left top Left reverse samplen 1 spacing 1.1\n"
                            : std::string("set key at screen 0.685,0.965 left top Left reverse samplen 1 spacing 1.25\n");
     for (const PlotLabel &label : placeLabels(panel, front, shape.area, x, y))
-        text += "set label " + literal(label.text) + " at screen " + number(label.x) + "," + number(label.y) +
-                " center front font ',11' tc rgb '#333333'\n";
+        text += "set label " + literal(label.text) + " at screen " + number(label.x) + "," + number(label.y) + " center front font '," +
+                (format == Format::Png ? "8.5" : "11") + "' tc rgb '#333333'\n";
 
     std::string plot;
     const auto add = [&](const std::string &what) { plot += (plot.empty() ? "plot " : ", \\\n  ") + what; };
@@ -169,7 +175,7 @@ std::string axisOfCells(char axis, const Axis &what, const std::vector<double> &
     const PlotScale tics(what, {{edges.front(), 0, 1}, {edges.back(), 0, 1}});
     const std::string a(1, axis);
     // The scale's room is taken back: cells fill the plot.
-    return axisText(axis, what, tics) + "set " + a + "range [" + number(edges.front()) + ":" + number(edges.back()) + "]\n";
+    return axisText(axis, tics) + "set " + a + "range [" + number(edges.front()) + ":" + number(edges.back()) + "]\n";
 }
 
 std::string mapScript(const Map &map, bool titled) {
@@ -199,7 +205,8 @@ std::string mapScript(const Map &map, bool titled) {
             else
                 hatched += cell + "\n";
         }
-    std::string text = margins({420, 380, 0.17, 0.78, 0.15, 0.9});
+    const PlotArea area{420, 380, 0.18, 0.78, 0.16, titled ? 0.9 : 0.96};
+    std::string text = margins(area) + axisNames(map.x, map.y, area, 42, 12);
     text += titled ? "set title " + literal(map.title) + "\n" : "";
     text += axisOfCells('x', map.x, xs) + axisOfCells('y', map.y, ys) + kViridis;
     text += "unset key\nset cbrange [" + number(std::log10(low)) + ":" + number(std::log10(high)) + "]\nset cblabel " +
@@ -260,7 +267,7 @@ Drawing drawPanel(const Chart &chart, const Panel &panel, const std::filesystem:
     const Shape narrow = narrowShape(seriesOf(panel).size() + 2);
     std::string script;
     const auto draw = [&](const Shape &shape, Format format, const std::filesystem::path &output) {
-        script += terminal(format, shape.width, shape.height, output) + panelScript(panel, shape, x, y);
+        script += terminal(format, shape.width, shape.height, output) + panelScript(panel, shape, format, x, y);
     };
     draw(titled, Format::Svg, fileOf(directory, chart, panel.name, "svg"));
     draw(titled, Format::Png, fileOf(directory, chart, panel.name, "png"));

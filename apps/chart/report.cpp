@@ -159,7 +159,7 @@ std::string reportPage(const std::vector<Section> &sections, Effort effort, cons
         escaped(date) + ", " + (effort == Effort::Quick ? "quick" : "full") +
         ". Times are medians over rounds in which every choice is run once; bars and ± are half the distance between the "
         "quartiles. Less is better on both axes where the front of choices that nothing beats (the Pareto front) is drawn. A "
-        "black ring is what the code does where nobody asks for another choice.</p>\n<nav>";
+        "black ring is what the code does where nobody asks for another choice; ∞ is what is not finite.</p>\n<nav>";
     for (const Section &section : sections) text += "<a href=\"#" + section.chart.name + "\">" + escaped(section.chart.name) + "</a>";
     text += "</nav>\n";
     for (const Section &section : sections) text += sectionText(section);
