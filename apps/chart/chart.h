@@ -31,6 +31,7 @@ struct Point {
     std::string label;  ///< what sets it apart within the series: a level, a resolution, a tolerance
     Measured x, y;
     bool isDefault = false; ///< the choice that the code makes where nobody asks for another
+    std::string note = {};  ///< drawn beside the mark instead of the label: a number that changes from run to run
 };
 
 /// A plot of choices. Less is better on both axes where `hasFront`: the Pareto front is drawn, and defaults are held to it.

@@ -5,6 +5,7 @@ namespace taut::chart {
 std::span<const ChartEntry> allCharts() {
     static constexpr ChartEntry kCharts[] = {
         {"precision", "digits that float leaves to formulations of the microsurface", measurePrecision},
+        {"sampling", "what samplers of reflections cost, reject and vary", measureSampling},
     };
     return kCharts;
 }

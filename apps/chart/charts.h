@@ -8,6 +8,7 @@
 namespace taut::chart {
 
 Chart measurePrecision(const ChartOptions &options);
+Chart measureSampling(const ChartOptions &options);
 
 struct ChartEntry {
     const char *name;

@@ -20,6 +20,10 @@ std::size_t lengthOf(const std::string &text) {
         std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
 }
 
+const std::string &textOf(const Point &p) {
+    return p.note.empty() ? p.label : p.note;
+}
+
 constexpr double kMark = 7;        ///< half a mark
 constexpr double kCharacter = 6.8; ///< of an 11 pixel font, wide ones
 constexpr double kHalfHeight = 7;
@@ -63,12 +67,12 @@ std::vector<PlotLabel> placeLabels(const Panel &panel, const std::vector<std::si
     const auto wanted = [&](std::size_t i) { return panel.points[i].isDefault || std::find(front.begin(), front.end(), i) != front.end(); };
     for (const bool first : {true, false})
         for (std::size_t i = 0; i < panel.points.size(); ++i)
-            if (wanted(i) == first && !panel.points[i].label.empty()) order.push_back(i);
+            if (wanted(i) == first && !textOf(panel.points[i]).empty()) order.push_back(i);
 
     std::vector<PlotLabel> labels;
     for (const std::size_t i : order) {
         const Box point = taken[i];
-        const double half = kCharacter * static_cast<double>(lengthOf(panel.points[i].label)) / 2;
+        const double half = kCharacter * static_cast<double>(lengthOf(textOf(panel.points[i]))) / 2;
         const double aside = half + kMark + 3;
         const double above = kHalfHeight + kMark + 2;
         const Box places[] = {{point.x + aside, point.y, half, kHalfHeight},         {point.x - aside, point.y, half, kHalfHeight},
@@ -80,7 +84,7 @@ std::vector<PlotLabel> placeLabels(const Panel &panel, const std::vector<std::si
                                 place.y - kHalfHeight > area.height * area.bottom && place.y + kHalfHeight < area.height * area.top;
             if (!inside || std::any_of(taken.begin(), taken.end(), [&](const Box &other) { return place.overlaps(other); })) continue;
             taken.push_back(place);
-            labels.push_back({panel.points[i].label, place.x / area.width, place.y / area.height});
+            labels.push_back({textOf(panel.points[i]), place.x / area.width, place.y / area.height});
             break;
         }
     }

@@ -101,9 +101,10 @@ std::string tableOf(const Panel &panel) {
         const Point &p = panel.points[i];
         std::string remarks = p.isDefault ? "default" : "";
         if (std::find(front.begin(), front.end(), i) != front.end()) remarks += remarks.empty() ? "on the front" : ", on the front";
-        text += "<tr><td>" + escaped(p.series) + "</td><td>" + escaped(p.label) + "</td><td class=\"number\">" + measuredText(p.x) +
-                "</td><td class=\"number\">" + measuredText(p.y) + "</td><td class=\"number\">" +
-                std::to_string(std::max(p.x.repetitions, p.y.repetitions)) + "</td><td>" + remarks + "</td></tr>\n";
+        text += "<tr><td>" + escaped(p.series) + "</td><td>" + escaped(p.note.empty() ? p.label : p.label + " " + p.note) +
+                "</td><td class=\"number\">" + measuredText(p.x) + "</td><td class=\"number\">" + measuredText(p.y) +
+                "</td><td class=\"number\">" + std::to_string(std::max(p.x.repetitions, p.y.repetitions)) + "</td><td>" + remarks +
+                "</td></tr>\n";
     }
     return text + "</table></div></details>\n";
 }

@@ -4,7 +4,7 @@
 
 #include "chart/chart.h"
 
-#include "taut/base/stopwatch.h"
+#include <time.h>
 
 #include <algorithm>
 #include <functional>
@@ -23,15 +23,26 @@ inline Measured operator*(const Measured &m, double factor) {
     return {m.value * factor, m.spread * factor, m.repetitions};
 }
 
+/// What a row is timed by: the wall, or the processor time of the calling thread, which leaves out what other programs take. Rows that use
+/// several threads need the wall.
+enum class Clock { Wall, Thread };
+
+/// Seconds of a clock since some moment.
+inline double secondsOf(Clock clock) {
+    timespec now{};
+    clock_gettime(clock == Clock::Wall ? CLOCK_MONOTONIC : CLOCK_THREAD_CPUTIME_ID, &now);
+    return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
 /// Seconds of each row, from `rounds` rounds over all of them after one that is not counted. A row runs for long enough to be timed
 /// (a millisecond or more).
-inline std::vector<Measured> timeInterleaved(std::span<const std::function<void()>> rows, int rounds) {
+inline std::vector<Measured> timeInterleaved(std::span<const std::function<void()>> rows, int rounds, Clock clock = Clock::Wall) {
     std::vector<std::vector<double>> seconds(rows.size());
     for (int round = -1; round < rounds; ++round)
         for (std::size_t i = 0; i < rows.size(); ++i) {
-            Stopwatch watch;
+            const double start = secondsOf(clock);
             rows[i]();
-            if (round >= 0) seconds[i].push_back(watch.lap());
+            if (round >= 0) seconds[i].push_back(secondsOf(clock) - start);
         }
     std::vector<Measured> medians;
     for (std::vector<double> &row : seconds) medians.push_back(medianOf(std::move(row)));
