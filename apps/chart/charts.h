@@ -9,6 +9,7 @@ namespace taut::chart {
 
 Chart measurePrecision(const ChartOptions &options);
 Chart measureSampling(const ChartOptions &options);
+Chart measureMultiscatter(const ChartOptions &options);
 
 struct ChartEntry {
     const char *name;

@@ -28,7 +28,7 @@ Scene loadScene(const SceneArguments &arguments, bool quiet);
 
 /// --tolerance and --model: how much the plan may save.
 struct ModelArguments {
-    float tolerance = 0.01F;
+    float tolerance = kDefaultTolerance;
     std::string model; ///< "auto" or "full"
 };
 void addModelArguments(CLI::App &command, ModelArguments &arguments);

@@ -75,4 +75,7 @@ ScenePlan makePlan(const Scene &scene, float tolerance);
 
 inline constexpr int kPlanFrames = 9;
 
+/// The tolerance where nobody asks for another.
+inline constexpr float kDefaultTolerance = 0.01F;
+
 } // namespace taut
