@@ -32,7 +32,7 @@ class ScatteringPoint {
         if (bsdf.type == BsdfType::Diffuse) return;
         length_ = ggx::stretchedLength(bsdf.micro, wo);
         area_ = ggx::visibleArea(bsdf.micro, wo, length_);
-        if (bsdf.type != BsdfType::Dielectric) reflections_.emplace(bsdf.micro, wo, kBearableWaste);
+        if (bsdf.type != BsdfType::Dielectric) reflections_.emplace(bsdf.micro, wo, bsdf.bearableWaste);
         if (bsdf.multiscatter != Multiscatter::Off) multiple_ = multiple::prepare(bsdf, wo);
         if (hasDiffuse()) {
             const float reflected = luminance(facetReflectance(bsdf, std::fabs(wo.z)));

@@ -8,6 +8,9 @@ namespace taut {
 
 enum class BsdfType : std::uint8_t { Conductor, SchlickConductor, Dielectric, Diffuse, Coated, MetallicRoughness };
 
+/// Share of reflections that may be lost to the horizon before the sampler that loses none is worth its preparation.
+inline constexpr float kBearableWaste = 0.1F;
+
 /// Everything needed to scatter at a hit. What a field means depends on the type, as in scene.h's Material.
 struct Bsdf {
     BsdfType type = BsdfType::Diffuse;
@@ -16,6 +19,7 @@ struct Bsdf {
     float eta = 1.5F;                              ///< index beyond / index on the viewer's side
     float diffuseEscape = 1;                       ///< coats: (1 - internal diffuse reflectance), from coatEscape()
     MicroTransform micro;
+    float bearableWaste = kBearableWaste; ///< ReflectionSampler: 0: never bounded caps; 1: always
     Vec3 f0{1};     ///< Schlick types
     Vec3 albedo{0}; ///< diffuse part
     Vec3 tint{1};   ///< dielectric transmission

@@ -5,7 +5,7 @@
 /// image. Predictions are bounds made from the gradient field and the materials' roughness over the frames (plan.cpp says how);
 /// the errors of what is chosen together stay below the tolerance.
 
-#include "taut/bsdf/multiscatter.h"
+#include "taut/bsdf/bsdf_types.h"
 #include "taut/deform/gradient_interpolation.h"
 #include "taut/scene/object_surface.h"
 
@@ -58,6 +58,7 @@ struct MultiscatterPlan {
 struct ScenePlan {
     std::vector<MeshPlan> meshes;            ///< [scene.objects]
     std::vector<MultiscatterPlan> materials; ///< [scene.materials]
+    float bearableWaste = kBearableWaste;    ///< of the sampler of reflections
     bool mayRefit = true;                    ///< false: every BVH is built anew at every frame
     float tolerance = 0;
     float predictedError = 0;

@@ -49,6 +49,7 @@ Bsdf makeBsdf(const PreparedMaterial &prepared, const Scene &scene, const Surfac
     }
     }
     bsdf.diffuseEscape = prepared.coatEscape;
+    bsdf.bearableWaste = prepared.bearableWaste;
     const bool leans = point.object->object->lean;
     // Stored gloss comes as sqrt(M M^T) in the place of V.
     bsdf.micro = point.object->storedPoisson.empty()
@@ -64,7 +65,7 @@ Bsdf makeBsdf(const PreparedMaterial &prepared, const Scene &scene, const Surfac
 std::vector<PreparedMaterial> prepareMaterials(const Scene &scene, const ScenePlan &plan) {
     std::vector<PreparedMaterial> prepared;
     for (std::size_t i = 0; i < scene.materials.size(); ++i)
-        prepared.push_back({&scene.materials[i], coatEscape(scene.materials[i].ior), plan.materials[i]});
+        prepared.push_back({&scene.materials[i], coatEscape(scene.materials[i].ior), plan.materials[i], plan.bearableWaste});
     return prepared;
 }
 

@@ -33,6 +33,7 @@ struct PreparedMaterial {
     const Material *material = nullptr;
     float coatEscape = 1; ///< coatEscape(ior)
     MultiscatterPlan multiscatter;
+    float bearableWaste = kBearableWaste; ///< the plan's
 };
 std::vector<PreparedMaterial> prepareMaterials(const Scene &scene, const ScenePlan &plan);
 
