@@ -42,7 +42,8 @@ struct Panel {
     Axis x, y;
     std::vector<Point> points;
     bool hasFront = true;
-    bool joined = false; ///< lines through the points of a series, in their order
+    bool joined = false;  ///< lines through the points of a series, in their order
+    bool labelled = true; ///< labels stand beside the marks; false where an axis says the same
 };
 
 /// Values over a grid, row by row from the lowest y; what is not finite is hatched.

@@ -6,7 +6,12 @@ std::span<const ChartEntry> allCharts() {
     static constexpr ChartEntry kCharts[] = {
         {"precision", "digits that float leaves to formulations of the microsurface", measurePrecision},
         {"sampling", "what samplers of reflections cost, reject and vary", measureSampling},
+        {"gradient", "estimators of the surface gradient", measureGradient},
+        {"interpolation", "schemes that interpolate it within a triangle", measureInterpolation},
+        {"subdivision", "levels of subdivision", measureSubdivision},
         {"multiscatter", "light that meets more than one facet: energy, directions, cost", measureMultiscatter},
+        {"bvh", "refitting and rebuilding the BVH of a deforming mesh", measureBvh},
+        {"plan", "what the plan's tolerance saves", measurePlan},
     };
     return kCharts;
 }

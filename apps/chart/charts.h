@@ -9,7 +9,12 @@ namespace taut::chart {
 
 Chart measurePrecision(const ChartOptions &options);
 Chart measureSampling(const ChartOptions &options);
+Chart measureGradient(const ChartOptions &options);
+Chart measureInterpolation(const ChartOptions &options);
+Chart measureSubdivision(const ChartOptions &options);
 Chart measureMultiscatter(const ChartOptions &options);
+Chart measureBvh(const ChartOptions &options);
+Chart measurePlan(const ChartOptions &options);
 
 struct ChartEntry {
     const char *name;

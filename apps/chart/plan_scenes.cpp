@@ -1,28 +1,12 @@
 #include "chart/plan_scenes.h"
 
-#include "taut/base/stopwatch.h"
+#include "chart/render_image.h"
+
 #include "taut/mesh/shapes.h"
-#include "taut/render/render_frame.h"
 
 namespace taut::chart {
 
 namespace {
-
-Object objectOf(Mesh mesh) {
-    Object object;
-    object.name = "object";
-    object.mesh = std::make_shared<const Mesh>(std::move(mesh));
-    object.materials = {0};
-    return object;
-}
-
-Material conductor(float alphaX, float alphaY) {
-    Material material;
-    material.type = MaterialType::Conductor;
-    material.alphaX.value = alphaX;
-    material.alphaY.value = alphaY;
-    return material;
-}
 
 Keyed<double> ramp(double to) {
     Keyed<double> keyed;
@@ -58,22 +42,9 @@ PlanScene sceneOf(const std::string &name, Object object, const Material &materi
     PlanScene plan;
     plan.name = name;
     plan.frame = 3;
-    Scene &scene = plan.scene;
-    scene.render.width = size;
-    scene.render.height = size;
-    scene.render.maxEvents = 4;
-    scene.render.frames = {1, 2, 3};
-    scene.materials = {material};
-    scene.objects.push_back(std::move(object));
-    scene.camera.position = Keyed<DVec3>(DVec3(0.3, -2.4, 2.1));
-    scene.environment = constantEnvironment(Vec3(0.2F, 0.25F, 0.3F));
-    Light quad;
-    quad.corner = DVec3(-0.8, 1, 1.2);
-    quad.u = DVec3(0, 0, 0.8);
-    quad.v = DVec3(1.6, 0, 0);
-    quad.radiance = Vec3(6, 5, 4);
-    quad.twoSided = true;
-    scene.lights.push_back(quad);
+    plan.scene = studyScene(std::move(object), material, size);
+    plan.scene.render.boxFilter = false;
+    plan.scene.render.frames = {1, 2, 3};
     return plan;
 }
 
@@ -90,18 +61,18 @@ std::vector<PlanScene> planScenes(int size) {
     const auto plate = [] { return makeGrid(24, 24, 1.6F); };
     const auto torus = [] { return makeTorus(64, 32, 0.7F, 0.3F); };
     const auto ball = [] { return makeSphere(64, 32, 0.8F); };
-    PlanScene *rigid = add("rigid torus", torus(), {}, conductor(0.1F, 0.3F));
+    PlanScene *rigid = add("rigid torus", torus(), {}, brushedMetal(0.1F, 0.3F));
     rigid->scene.objects[0].placement.rotation.keys = {{1, DVec3(0)}, {3, DVec3(0, 0.4, 0.8)}};
-    add("uniform stretch of a plate", plate(), {stretchTo({2, 1, 1})}, conductor(0.1F, 0.3F));
-    add("scaled sphere", ball(), {stretchTo({1.3, 1.3, 1.3})}, conductor(0.2F, 0.2F));
-    add("barely stretched torus", torus(), {stretchTo({1.001, 1, 1})}, conductor(0.2F, 0.2F));
-    add("sheared plate", plate(), {deformer(DeformerType::Shear, 1.2, 0, 1)}, conductor(0.05F, 0.25F));
-    add("sheared torus", torus(), {deformer(DeformerType::Shear, 0.8, 0, 2)}, conductor(0.1F, 0.4F));
-    add("twisted plate", plate(), {deformer(DeformerType::Twist, 0.8, 0, 2)}, conductor(0.15F, 0.15F));
-    add("bent plate", plate(), {deformer(DeformerType::Bend, 0.9, 0, 2)}, conductor(0.1F, 0.3F));
-    add("rough wave", plate(), {deformer(DeformerType::Wave, 0.15, 0, 2)}, conductor(0.5F, 0.5F));
-    add("very rough torus", torus(), {stretchTo({1.5, 1, 0.8})}, conductor(0.9F, 0.9F));
-    add("smooth twisted torus", torus(), {deformer(DeformerType::Twist, 0.7, 2, 0)}, conductor(0.02F, 0.04F));
+    add("uniform stretch of a plate", plate(), {stretchTo({2, 1, 1})}, brushedMetal(0.1F, 0.3F));
+    add("scaled sphere", ball(), {stretchTo({1.3, 1.3, 1.3})}, brushedMetal(0.2F, 0.2F));
+    add("barely stretched torus", torus(), {stretchTo({1.001, 1, 1})}, brushedMetal(0.2F, 0.2F));
+    add("sheared plate", plate(), {deformer(DeformerType::Shear, 1.2, 0, 1)}, brushedMetal(0.05F, 0.25F));
+    add("sheared torus", torus(), {deformer(DeformerType::Shear, 0.8, 0, 2)}, brushedMetal(0.1F, 0.4F));
+    add("twisted plate", plate(), {deformer(DeformerType::Twist, 0.8, 0, 2)}, brushedMetal(0.15F, 0.15F));
+    add("bent plate", plate(), {deformer(DeformerType::Bend, 0.9, 0, 2)}, brushedMetal(0.1F, 0.3F));
+    add("rough wave", plate(), {deformer(DeformerType::Wave, 0.15, 0, 2)}, brushedMetal(0.5F, 0.5F));
+    add("very rough torus", torus(), {stretchTo({1.5, 1, 0.8})}, brushedMetal(0.9F, 0.9F));
+    add("smooth twisted torus", torus(), {deformer(DeformerType::Twist, 0.7, 2, 0)}, brushedMetal(0.02F, 0.04F));
     Material glass;
     glass.type = MaterialType::Dielectric;
     glass.alphaX.value = glass.alphaY.value = 0.3F;
@@ -114,56 +85,27 @@ std::vector<PlanScene> planScenes(int size) {
     Material diffuse;
     diffuse.color.value = Vec3(0.6F);
     add("diffuse twisted torus", torus(), {deformer(DeformerType::Twist, 0.7, 2, 0)}, diffuse);
-    PlanScene *leaning = add("leaning block face", plate(), {deformer(DeformerType::Shear, 0.6, 0, 2)}, conductor(0.2F, 0.4F));
+    PlanScene *leaning = add("leaning block face", plate(), {deformer(DeformerType::Shear, 0.6, 0, 2)}, brushedMetal(0.2F, 0.4F));
     leaning->scene.objects[0].lean = true;
-    PlanScene *subdivided =
-        add("subdivided sheared torus", makeTorus(16, 8, 0.7F, 0.3F), {deformer(DeformerType::Shear, 0.6, 0, 2)}, conductor(0.15F, 0.3F));
+    PlanScene *subdivided = add("subdivided sheared torus", makeTorus(16, 8, 0.7F, 0.3F), {deformer(DeformerType::Shear, 0.6, 0, 2)},
+                                brushedMetal(0.15F, 0.3F));
     subdivided->scene.objects[0].subdivision.level = 2;
     PlanScene *refined =
-        add("torus of a planned level", makeTorus(16, 8, 0.7F, 0.3F), {deformer(DeformerType::Twist, 0.4, 2, 0)}, conductor(0.3F, 0.4F));
+        add("torus of a planned level", makeTorus(16, 8, 0.7F, 0.3F), {deformer(DeformerType::Twist, 0.4, 2, 0)}, brushedMetal(0.3F, 0.4F));
     refined->scene.objects[0].planLevel = true;
     refined->scene.objects[0].subdivision.level = kUnplannedLevel;
     return scenes;
 }
 
-namespace {
-
-std::vector<float> renderUnder(const PlanScene &s, ScenePlan plan, int spp, double &seconds) {
-    Stopwatch watch;
-    RenderScene ready(s.scene, std::move(plan), true);
-    StageTimes times;
-    ready.setFrame(s.frame, times);
-    FrameOptions options;
-    options.spp = spp;
-    options.seed = 1;
-    const FrameResult result = renderFrame(ready, options);
-    seconds = watch.lap();
-    return result.film.resolve();
-}
-
-} // namespace
-
 FullRender renderFull(const PlanScene &scene, int spp) {
-    FullRender full;
-    full.image = renderUnder(scene, fullPlan(scene.scene), spp, full.seconds);
-    return full;
+    RenderedImage full = renderImage(scene.scene, fullPlan(scene.scene), scene.frame, spp, 1);
+    return {std::move(full.values), full.seconds};
 }
 
 PlanOutcome holdPlan(const PlanScene &scene, const FullRender &full, float tolerance, int spp) {
-    PlanOutcome outcome;
     const ScenePlan plan = makePlan(scene.scene, tolerance);
-    outcome.predicted = static_cast<double>(plan.predictedError);
-    outcome.fullSeconds = full.seconds;
-    const std::vector<float> image = renderUnder(scene, plan, spp, outcome.seconds);
-    double difference = 0;
-    double size = 0;
-    for (std::size_t i = 0; i < image.size(); ++i) {
-        if (i % 4 == 3) continue; // alpha
-        difference += sqr(static_cast<double>(image[i] - full.image[i]));
-        size += sqr(static_cast<double>(full.image[i]));
-    }
-    outcome.error = std::sqrt(difference / size);
-    return outcome;
+    const RenderedImage image = renderImage(scene.scene, plan, scene.frame, spp, 1);
+    return {static_cast<double>(plan.predictedError), relativeRms(image.values, full.image), image.seconds, full.seconds};
 }
 
 } // namespace taut::chart

@@ -108,7 +108,8 @@ std::string panelScript(const Panel &panel, const Shape &shape, Format format, c
     text += shape.keyBelow ? "set key at screen 0.03," + number(shape.area.bottom - 58.0 / shape.height) +
                                  " left top Left reverse samplen 1 spacing 1.1\n"
                            : std::string("set key at screen 0.685,0.965 left top Left reverse samplen 1 spacing 1.25\n");
-    for (const PlotLabel &label : placeLabels(panel, front, shape.area, x, y))
+    const std::vector<PlotLabel> labels = panel.labelled ? placeLabels(panel, front, shape.area, x, y) : std::vector<PlotLabel>();
+    for (const PlotLabel &label : labels)
         text += "set label " + literal(label.text) + " at screen " + number(label.x) + "," + number(label.y) + " center front font '," +
                 (format == Format::Png ? "8.5" : "11") + "' tc rgb '#333333'\n";
 

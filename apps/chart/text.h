@@ -1,0 +1,23 @@
+#pragma once
+/// Numbers for the words of a chart.
+
+#include "chart/chart.h"
+
+#include <algorithm>
+#include <cstdio>
+
+namespace taut::chart {
+
+/// A number with so many digits.
+inline std::string digits(double x, int count = 3) {
+    char text[48];
+    std::snprintf(text, sizeof text, "%.*g", count, x);
+    return text;
+}
+
+/// The first point of a series; the panel has one.
+inline const Point &pointOf(const Panel &panel, const std::string &series) {
+    return *std::find_if(panel.points.begin(), panel.points.end(), [&](const Point &p) { return p.series == series; });
+}
+
+} // namespace taut::chart
