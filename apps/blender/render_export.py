@@ -82,7 +82,7 @@ def set_world(scene, environment):
     background.inputs["Strength"].default_value = 1.0
 
 
-def set_cycles(scene, render, spp):
+def set_cycles(scene, render):
     settings = scene.render
     settings.engine = "CYCLES"
     settings.resolution_x, settings.resolution_y = render.get("width", 960), render.get("height", 540)
@@ -90,7 +90,7 @@ def set_cycles(scene, render, spp):
     settings.film_transparent = settings.use_motion_blur = settings.use_compositing = settings.use_sequencer = False
     settings.dither_intensity = 0
     cycles = scene.cycles
-    cycles.device, cycles.samples, cycles.seed = "CPU", spp, 0
+    cycles.device, cycles.seed = "CPU", 0
     cycles.use_adaptive_sampling = cycles.use_denoising = False
     cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0
     cycles.blur_glossy = cycles.light_sampling_threshold = 0.0
@@ -107,23 +107,30 @@ def set_cycles(scene, render, spp):
     settings.use_file_extension = False
 
 
-def main():
-    words = sys.argv[sys.argv.index("--") + 1 :]
-    path, frame, spp, output = words[0], int(words[1]), int(words[2]), os.path.abspath(words[3])
-    with open(path, "rb") as stream:
-        description = tomllib.load(stream)
+def build(description, frame, files):
+    """An empty scene with the files at a frame, and the scene file's camera and lights."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     scene = bpy.context.scene
-    for file in words[4:]:
+    for file in files:
         taut_gloss.import_gloss(file, frame)
     add_camera(scene, description["camera"])
     for light in description.get("light", []):
         add_light(scene, light)
     set_world(scene, description.get("environment", {}))
-    set_cycles(scene, description.get("render", {}), spp)
+    set_cycles(scene, description.get("render", {}))
     scene.frame_set(frame)
-    scene.render.filepath = output
+    return scene
+
+
+def main():
+    words = sys.argv[sys.argv.index("--") + 1 :]
+    with open(words[0], "rb") as stream:
+        description = tomllib.load(stream)
+    scene = build(description, int(words[1]), words[4:])
+    scene.cycles.samples = int(words[2])
+    scene.render.filepath = os.path.abspath(words[3])
     bpy.ops.render.render(write_still=True)
 
 
-main()
+if __name__ == "__main__":
+    main()

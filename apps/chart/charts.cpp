@@ -12,6 +12,7 @@ std::span<const ChartEntry> allCharts() {
         {"multiscatter", "light that meets more than one facet: energy, directions, cost", measureMultiscatter},
         {"bvh", "refitting and rebuilding the BVH of a deforming mesh", measureBvh},
         {"plan", "what the plan's tolerance saves", measurePlan},
+        {"render", "the whole renderer by samples, models and samplers; Cycles where Blender is", measureRender},
     };
     return kCharts;
 }

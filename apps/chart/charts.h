@@ -15,6 +15,7 @@ Chart measureSubdivision(const ChartOptions &options);
 Chart measureMultiscatter(const ChartOptions &options);
 Chart measureBvh(const ChartOptions &options);
 Chart measurePlan(const ChartOptions &options);
+Chart measureRender(const ChartOptions &options);
 
 struct ChartEntry {
     const char *name;

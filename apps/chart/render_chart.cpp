@@ -1,0 +1,239 @@
+/// taut chart render: the whole renderer, time against noise and bias, by samples, models and samplers; and Cycles beside it.
+
+#include "chart/charts.h"
+#include "chart/cycles.h"
+#include "chart/render_image.h"
+#include "chart/text.h"
+#include "chart/timing.h"
+
+#include "taut/mesh/shapes.h"
+
+#include <cmath>
+
+namespace taut::chart {
+
+namespace {
+
+constexpr int kSize = 72;
+const std::vector<int> kSamples{1, 4, 16, RenderSettings{}.spp};
+
+struct StudyScene {
+    std::string name, title;
+    Scene scene;
+};
+
+/// A torus that is sheared, over a ground if there is one.
+Scene shearedTorus(const Material &material, double shear, bool ground, int maxEvents) {
+    Scene scene;
+    scene.render.width = scene.render.height = kSize;
+    scene.render.boxFilter = true;
+    scene.render.maxEvents = maxEvents;
+    scene.materials = {material, brushedMetal(0.2F, 0.2F)};
+    scene.objects.push_back(objectOf(makeTorus(96, 48, 1, 0.4F)));
+    scene.objects[0].deformers = {constantDeformer(DeformerType::Shear, shear, 0, 2)};
+    if (ground) {
+        scene.objects.push_back(objectOf(makeGrid(1, 1, 20)));
+        scene.objects[1].materials = {1};
+        scene.objects[1].placement.translation = DVec3(0, 0, -0.4);
+    }
+    scene.camera.position = DVec3(0, -2.6, 1.8);
+    return scene;
+}
+
+std::vector<StudyScene> studyScenes() {
+    Scene furnace = shearedTorus(brushedMetal(0.08F, 0.4F), 0.8, false, 8);
+    furnace.environment = constantEnvironment(Vec3(1));
+    Scene lamp = shearedTorus(brushedMetal(0.04F, 0.12F), 0.8, true, 6);
+    Light quad; // facing down
+    quad.corner = DVec3(1, -1, 3);
+    quad.u = DVec3(-2, 0, 0);
+    quad.v = DVec3(0, 2, 0);
+    quad.radiance = Vec3(10);
+    lamp.lights = {quad};
+    Scene rough = shearedTorus(brushedMetal(0.5F, 0.5F), 1.5, true, 6);
+    rough.environment = constantEnvironment(Vec3(0.3F));
+    rough.lights = {quad};
+    return {{"furnace", "Brushed torus in a white furnace", std::move(furnace)},
+            {"lamp", "Brushed torus under an area light", std::move(lamp)},
+            {"rough", "Rough torus, strongly sheared, under a lamp and a sky", std::move(rough)}};
+}
+
+/// A way to render a scene.
+struct Way {
+    std::string name;
+    Scene scene;
+    ScenePlan plan;
+    bool isDefault = false;
+};
+
+std::vector<Way> modelsOf(const Scene &scene) {
+    Scene single = scene;
+    for (Material &material : single.materials) material.multiscatter = Multiscatter::Off;
+    Scene compensated = scene;
+    for (Material &material : compensated.materials) material.multiscatter = Multiscatter::Compensation;
+    Scene fixed = scene;
+    for (Object &object : fixed.objects) object.follow = false;
+    return {{"plan", scene, makePlan(scene, kDefaultTolerance), true},
+            {"full model", scene, fullPlan(scene)},
+            {"compensation", compensated, makePlan(compensated, kDefaultTolerance)},
+            {"no multiple scattering", single, makePlan(single, kDefaultTolerance)},
+            {"gloss held fixed", fixed, makePlan(fixed, kDefaultTolerance)}};
+}
+
+/// Samplers of reflections. The walk has its own, so they are compared without it; and with what Cycles 3.4 has: separable masking.
+Scene withoutWalk(Scene scene) {
+    for (Material &material : scene.materials) {
+        material.masking = Masking::Separable;
+        material.multiscatter = Multiscatter::Off;
+    }
+    return scene;
+}
+std::vector<Way> samplersOf(const Scene &scene) {
+    const auto planned = [&](float waste) {
+        ScenePlan plan = makePlan(scene, kDefaultTolerance);
+        plan.bearableWaste = waste;
+        return plan;
+    };
+    return {{"caps, or the cone", scene, planned(kBearableWaste), true}, {"bounded caps", scene, planned(1)}, {"cone", scene, planned(0)}};
+}
+
+/// One choice: a way with a number of samples.
+struct Measurement {
+    std::vector<double> seconds, errors;
+    void add(double time, const std::vector<float> &image, const std::vector<float> &reference) {
+        seconds.push_back(time);
+        errors.push_back(relativeMse(image, reference));
+    }
+};
+
+Panel emptyPanel(const std::string &name, const std::string &title, const std::string &conditions) {
+    Panel panel{name, title, conditions, {"time of a frame, everything included", "s"}, {"relMSE", ""}, {}};
+    panel.joined = true;
+    panel.labelled = false;
+    return panel;
+}
+
+void addPoints(Panel &panel, const std::string &series, const std::vector<Measurement> &bySamples, bool isDefault) {
+    for (std::size_t k = 0; k < kSamples.size(); ++k)
+        panel.points.push_back({series, std::to_string(kSamples[k]) + " spp", medianOf(bySamples[k].seconds), medianOf(bySamples[k].errors),
+                                isDefault && kSamples[k] == RenderSettings{}.spp});
+}
+
+std::string conditionsOf(const Scene &scene, int reference) {
+    return std::to_string(kSize) + " x " + std::to_string(kSize) + " pixels, " + std::to_string(scene.render.maxEvents) +
+           " events; points: " + std::to_string(kSamples.front()) + ", 4, 16, " + std::to_string(kSamples.back()) +
+           " samples a pixel; reference: the full model at " + std::to_string(reference) + " samples, another seed; all threads";
+}
+
+/// Every way at every number of samples; the truth is the full model of the scene.
+struct Study {
+    std::vector<float> truth;
+    std::vector<std::vector<Measurement>> ways; ///< [ways][kSamples]
+};
+Study measureWays(const Scene &scene, const std::vector<Way> &ways, int reference, int rounds) {
+    Study study{renderImage(scene, fullPlan(scene), 1, reference, 1000).values, {}};
+    study.ways.assign(ways.size(), std::vector<Measurement>(kSamples.size()));
+    // A way that does what the first does, in the same scene, takes its time.
+    const auto repeats = [&](std::size_t i) {
+        const Scene &a = ways[i].scene;
+        const Scene &b = ways[0].scene;
+        return i > 0 && a.objects[0].follow == b.objects[0].follow && a.materials[0].multiscatter == b.materials[0].multiscatter &&
+               sameModels(ways[i].plan, ways[0].plan);
+    };
+    for (int round = 0; round < rounds; ++round)
+        for (std::size_t k = 0; k < kSamples.size(); ++k)
+            for (std::size_t i = 0; i < ways.size(); ++i) {
+                if (repeats(i)) continue;
+                const RenderedImage image = renderImage(ways[i].scene, ways[i].plan, 1, kSamples[k], static_cast<std::uint32_t>(round + 1));
+                study.ways[i][k].add(image.seconds, image.values, study.truth);
+            }
+    for (std::size_t i = 0; i < ways.size(); ++i)
+        if (repeats(i)) study.ways[i] = study.ways[0];
+    return study;
+}
+
+Panel panelOf(const std::string &name, const std::string &title, const std::string &conditions, const std::vector<Way> &ways,
+              const Study &study) {
+    Panel panel = emptyPanel(name, title, conditions);
+    for (std::size_t i = 0; i < ways.size(); ++i) addPoints(panel, ways[i].name, study.ways[i], ways[i].isDefault);
+    return panel;
+}
+
+/// How much longer one series takes to reach the last error of another, by straight lines through its last points in logarithms.
+double timeRatio(const Panel &panel, const std::string &slower, const std::string &ours) {
+    std::vector<Point> line;
+    Point target;
+    for (const Point &p : panel.points) {
+        if (p.series == slower) line.push_back(p);
+        if (p.series == ours) target = p;
+    }
+    const Point &a = line[line.size() - 2];
+    const Point &b = line.back();
+    const double u = std::log(target.y.value / a.y.value) / std::log(b.y.value / a.y.value);
+    return a.x.value * std::pow(b.x.value / a.x.value, u) / target.x.value;
+}
+
+} // namespace
+
+Chart measureRender(const ChartOptions &options) {
+    const bool quick = options.effort == Effort::Quick;
+    const int reference = quick ? 512 : 16384;
+    const int rounds = quick ? 3 : 15;
+    const std::string last = std::to_string(RenderSettings{}.spp);
+    Chart chart;
+    chart.name = "render";
+    chart.title = "The whole renderer";
+    chart.compared =
+        "Frames of three scenes at 1 to " + last +
+        " samples a pixel. Models: the plan, every saving off, compensation for multiple scattering, none, and gloss held fixed as other "
+        "renderers do. "
+        "Samplers "
+        "of reflections, without multiple scattering: bounded caps, the cone that loses nothing, and the cone where caps would lose more "
+        "than " +
+        digits(100 * static_cast<double>(kBearableWaste)) + " %. The truth is the full model with many more samples.";
+    chart.howToRead =
+        "relMSE is the mean over pixels of the squared difference over the squared reference plus a hundredth of its mean "
+        "squared. Lines fall with the number of samples until what is left is bias. Time includes topology, deformation and BVH.";
+    std::vector<Panel> models;
+    std::vector<Panel> samplers;
+    std::vector<Panel> beside;
+    std::string times;
+    const std::string why = whyNoCycles();
+    const std::filesystem::path folder = options.directory / "cycles";
+    for (const StudyScene &s : studyScenes()) {
+        const std::string conditions = conditionsOf(s.scene, reference);
+        const std::vector<Way> ways = modelsOf(s.scene);
+        models.push_back(panelOf(s.name, s.title, conditions, ways, measureWays(s.scene, ways, reference, rounds)));
+        const Scene single = withoutWalk(s.scene);
+        const std::vector<Way> others = samplersOf(single);
+        const Study study = measureWays(single, others, reference, rounds);
+        const std::string same = conditions + "; one bounce on the microsurface, separable masking";
+        samplers.push_back(panelOf("samplers-" + s.name, s.title + ": samplers", same, others, study));
+        if (!why.empty()) continue;
+        beside.push_back(
+            emptyPanel("cycles-" + s.name, s.title + ": Cycles",
+                       same + "; Cycles: taut export's file, M at every hit by shader nodes, nothing that trades truth for speed"));
+        beside.back().hasFront = false;
+        addPoints(beside.back(), "Taut", study.ways[0], true);
+        std::vector<Measurement> theirs(kSamples.size());
+        const CyclesRenders renders = renderWithCycles(single, 1, kSamples, rounds, folder);
+        for (std::size_t k = 0; k < kSamples.size(); ++k)
+            for (const CyclesRenders::Timed &image : renders.bySamples.at(kSamples[k]))
+                theirs[k].add(image.seconds, image.values, study.truth);
+        addPoints(beside.back(), "Cycles", theirs, false);
+        times += (times.empty() ? "" : ", ") + digits(timeRatio(beside.back(), "Cycles", "Taut"), 2) + " (" + s.name + ")";
+    }
+    for (std::vector<Panel> *panels : {&models, &samplers, &beside})
+        chart.panels.insert(chart.panels.end(), panels->begin(), panels->end());
+    chart.choice =
+        "Default: the plan, " + last +
+        " samples, the cone where bounded caps would lose more than a tenth. What single scattering loses and what a fixed gloss gets "
+        "wrong no number of samples mends. ";
+    chart.choice += why.empty() ? "To Taut's error at " + last + " samples Cycles takes " + times + " of Taut's time."
+                                : "Cycles is left out: " + why + ".";
+    std::error_code ignored;
+    std::filesystem::remove_all(folder, ignored);
+    return chart;
+}
+
+} // namespace taut::chart
