@@ -74,7 +74,7 @@ std::vector<Measured> timesOnMesh(const GradientCase &c, int n, int rounds) {
         runs.push_back(std::make_unique<VertexStretches>(c, e, n));
         rows.emplace_back([run = runs.back().get()] { run->evaluate(); });
     }
-    std::vector<Measured> times = timeInterleaved(rows, rounds);
+    std::vector<Measured> times = timeOnOneThread(rows, rounds);
     for (Measured &t : times) t = t * (1e9 / sqr(n + 1.0));
     return times;
 }
@@ -85,7 +85,7 @@ Panel meshPanel(const std::string &name, const std::string &title, const std::ve
     constexpr int kTimed = 256;
     Panel panel{name, title, "", kTimeAxis, kTensorAxis, {}};
     panel.conditions = "error: " + std::to_string(cases.size()) + (cases.size() == 1 ? " closed form" : " closed forms") +
-                       " on 64 x 64 quads, borders left out; time: " + timed.name + ", 256 x 256 quads, all threads";
+                       " on 64 x 64 quads, borders left out; time: " + timed.name + ", 256 x 256 quads, one thread";
     const std::vector<Measured> times = timesOnMesh(timed, kTimed, rounds);
     for (std::size_t i = 0; i < times.size(); ++i) {
         const GradientEstimator e = kOfMeshes[i];
@@ -98,14 +98,14 @@ Panel meshPanel(const std::string &name, const std::string &title, const std::ve
 Panel limitPanel(int rounds) {
     Panel panel{"limit", "Limit surfaces under deformers", "", kTimeAxis, kTensorAxis, {}};
     panel.conditions = "error: 16 closed forms, cages of 16 x 16 quads, 3 levels, against derivatives of B-splines; time: twist on torus, "
-                       "cage of 32 x 32 quads, 3 levels, all threads";
+                       "cage of 32 x 32 quads, 3 levels, one thread";
     std::vector<std::unique_ptr<LimitStretches>> runs;
     std::vector<std::function<void()>> rows;
     for (const GradientEstimator e : kOfLimits) {
         runs.push_back(std::make_unique<LimitStretches>(twistedTorus(), e, 32, 3));
         rows.emplace_back([run = runs.back().get()] { run->evaluate(); });
     }
-    const std::vector<Measured> times = timeInterleaved(rows, rounds);
+    const std::vector<Measured> times = timeOnOneThread(rows, rounds);
     for (std::size_t i = 0; i < times.size(); ++i) {
         const GradientEstimator e = kOfLimits[i];
         const double error = rmsOver(deformerCases(), [&](const GradientCase &c) {
@@ -148,7 +148,7 @@ Panel imagePanel(const std::string &name, const std::string &title, const Scene 
     constexpr int kSpp = 64;
     Panel panel{name, title, "", kTimeAxis, kImageAxis, {}};
     panel.conditions = "twisted and waved brushed torus, 96 x 96 pixels, " + std::to_string(kSpp) +
-                       " samples; reference: a finer mesh, the full model, the same random numbers; all threads";
+                       " samples; reference: a finer mesh, the full model, the same random numbers; one thread";
     const auto planOf = [](const Scene &s, GradientEstimator e) {
         ScenePlan plan = fullPlan(s);
         plan.meshes[0].estimator = e;
@@ -164,7 +164,7 @@ Panel imagePanel(const std::string &name, const std::string &title, const Scene 
             for (int i = 0; i < 8; ++i) moveObject(*object, 0, 1, scene.render.fps, DMat4(1), ignored, ignored);
         });
     }
-    const std::vector<Measured> times = timeInterleaved(rows, rounds);
+    const std::vector<Measured> times = timeOnOneThread(rows, rounds);
     std::vector<std::vector<double>> errors(estimators.size());
     for (int seed = 0; seed < seeds; ++seed) {
         const auto render = [&](const Scene &s, GradientEstimator e) {

@@ -53,7 +53,7 @@ std::vector<Measured> timesOfHits(int rounds) {
             for (int i = 0; i < kRepeats; ++i) run->evaluate();
         });
     }
-    std::vector<Measured> times = timeInterleaved(rows, rounds);
+    std::vector<Measured> times = timeInterleaved(rows, rounds, Clock::Thread);
     for (Measured &t : times) t = t * (1e9 / kRepeats / (2.0 * kTimed * kTimed));
     return times;
 }

@@ -6,6 +6,8 @@
 #include "chart/text.h"
 #include "chart/timing.h"
 
+#include "taut/base/stopwatch.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -18,10 +20,8 @@ namespace {
 constexpr std::array<float, 5> kTolerances{0.1F, 0.03F, kDefaultTolerance, 0.003F, 0.001F};
 constexpr std::size_t kCount = kTolerances.size();
 constexpr int kSize = 32;
-constexpr int kTimedSpp = 32;
+constexpr int kTimedSpp = 16;
 constexpr int kErrorSpp = 256;
-/// Errors below this, zeros among them, are drawn here: a plot has no zero.
-constexpr double kLeastDrawn = 1e-8;
 
 /// A mean of images and how much one of them varies.
 class Variance {
@@ -112,7 +112,7 @@ Outcome outcomeOf(const PlanScene &scene, int rounds) {
                 if (frame == scene.scene.render.frames.back()) variances[i].add(image.values);
             }
         });
-    const std::vector<Measured> seconds = timeInterleaved(rows, rounds);
+    const std::vector<Measured> seconds = timeOnOneThread(rows, rounds);
     const std::vector<float> reference = renderImage(scene.scene, full, scene.frame, kErrorSpp, 1).values;
     for (std::size_t i = 0; i < runs.size(); ++i) {
         runs[i].seconds = seconds[i];
@@ -128,9 +128,6 @@ bool isDefault(std::size_t i) {
 }
 std::string nameOf(std::size_t i) {
     return "tolerance " + digits(static_cast<double>(kTolerances[i]));
-}
-Measured drawn(double error) {
-    return {std::max(error, kLeastDrawn)};
 }
 
 const Axis kErrorAxis{"RMS error of the image, relative", ""};
@@ -158,23 +155,18 @@ Panel tolerancePanel(const std::vector<Outcome> &outcomes, bool equalNoise, cons
             time.repetitions = t.repetitions;
             worst = std::max(worst, outcome.at(i).error);
         }
-        panel.points.push_back({"plan", nameOf(i), time, drawn(worst), isDefault(i)});
+        panel.points.push_back({"plan", nameOf(i), time, {worst}, isDefault(i)});
     }
     return panel;
 }
 
 Panel honestyPanel(const std::vector<Outcome> &outcomes, const std::string &conditions) {
-    Panel panel{"honesty",
-                "Every scene: predicted against true error",
-                conditions + "; what is less, or nothing, is drawn at 1e-8",
-                {"predicted error", ""},
-                kErrorAxis,
-                {}};
+    Panel panel{"honesty", "Every scene: predicted against true error", conditions, {"predicted error", ""}, kErrorAxis, {}};
     panel.hasFront = false;
     panel.labelled = false;
     for (std::size_t i = 0; i < kCount; ++i)
         for (const Outcome &outcome : outcomes)
-            panel.points.push_back({nameOf(i), outcome.name, drawn(outcome.predicted[i]), drawn(outcome.at(i).error), isDefault(i)});
+            panel.points.push_back({nameOf(i), outcome.name, {outcome.predicted[i]}, {outcome.at(i).error}, isDefault(i)});
     return panel;
 }
 
@@ -197,7 +189,7 @@ Chart measurePlan(const ChartOptions &options) {
     }
     const std::string conditions = std::to_string(outcomes.size()) + " scenes, 32 x 32 pixels, " + std::to_string(kTimedSpp) +
                                    " samples, three frames, topology included, plan made beforehand; errors at " +
-                                   std::to_string(kErrorSpp) + " samples; all threads";
+                                   std::to_string(kErrorSpp) + " samples; one thread";
     Chart chart;
     chart.name = "plan";
     chart.title = "The plan: what a tolerance saves";

@@ -4,6 +4,7 @@
 
 #include "chart/chart.h"
 
+#include <tbb/global_control.h>
 #include <time.h>
 
 #include <algorithm>
@@ -47,6 +48,12 @@ inline std::vector<Measured> timeInterleaved(std::span<const std::function<void(
     std::vector<Measured> medians;
     for (std::vector<double> &row : seconds) medians.push_back(medianOf(std::move(row)));
     return medians;
+}
+
+/// The same for rows that would use several threads: on one, by its processor time.
+inline std::vector<Measured> timeOnOneThread(std::span<const std::function<void()>> rows, int rounds) {
+    const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+    return timeInterleaved(rows, rounds, Clock::Thread);
 }
 
 } // namespace taut::chart
