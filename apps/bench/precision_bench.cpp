@@ -1,5 +1,8 @@
 /// taut_precision: how many digits float leaves to each formulation of the microsurface. Prints the tables of docs/precision.md: relative
-/// errors per quantity and band of alpha, where the published forms fail, and the error of M packed in halves.
+/// errors per quantity and band of alpha, where the published forms fail, and the error of M packed in halves; then the table of
+/// docs/stability.md.
+
+#include "chart/stability.h"
 
 #include "taut/microsurface/packed_transform.h"
 #include "taut/microsurface/precision.h"
@@ -119,5 +122,7 @@ int main() {
     printErrors(all);
     printFailing(all);
     printPacking();
+    std::printf("\n%s", chart::stabilityHeading().c_str());
+    for (const chart::StabilityRow &row : chart::stabilityRows(all)) std::printf("%s", lineOf(row).c_str());
     return 0;
 }

@@ -31,6 +31,8 @@ struct Place {
 struct Sample {
     Place place;
     std::array<double, kQuantities> error{}; ///< relative; infinite where the value is not finite
+    MicroTransform m = {};                   ///< what was evaluated, in float
+    Vec3 wo = {}, wi = {};
 };
 
 struct Formulation {
@@ -106,8 +108,27 @@ template <class F, class V> Values values(const F &f, const V &wo, const V &wi) 
     return {f.D(wo, wi), f.G1(wo), f.reflectionPdf(wo, wi), f.weight(wo, wi)};
 }
 
-inline Sample sampleOf(const Place &place, const Values &found, const Values &truth) {
-    Sample sample{place, {}};
+/// The quantities by the stable forms in long double at the same inputs.
+template <class T> Values truthAt(const BasicMicroTransform<T> &m, const Vector3<T> &wo, const Vector3<T> &wi) {
+    return values(reference::Stable<Real>(canonicalTransform<Real>(m.a, m.b, m.d)), Exact(wo), Exact(wi));
+}
+
+/// The quantities by every formulation in T; those that know M by its alphas get them rounded from long double.
+template <class T> std::array<Values, kFormulations> evaluate(const BasicMicroTransform<T> &m, const Vector3<T> &wo, const Vector3<T> &wi) {
+    const auto exact = equivalentAlpha(canonicalTransform<Real>(m.a, m.b, m.d));
+    const BasicEquivalentAlpha<T> alpha{static_cast<T>(exact.max), static_cast<T>(exact.min), static_cast<T>(exact.phi)};
+    std::array<Values, kFormulations> found{};
+    found[kStable] = found[kRoundedInputs] = values(reference::Stable<T>(m), wo, wi);
+    found[kWalter] = values(reference::Walter<T>(alpha), wo, wi);
+    found[kCosineSquared] = values(reference::CosineSquared<T>(alpha), wo, wi);
+    found[kChain] = values(reference::JacobianChain<T>(m), wo, wi);
+    found[kTensor] = values(reference::Tensor<T>(m), wo, wi);
+    found[kTextbook] = values(reference::Textbook<T>(alpha), wo, wi);
+    return found;
+}
+
+inline Sample sampleOf(const Sample &inputs, const Values &found, const Values &truth) {
+    Sample sample = inputs;
     for (std::size_t i = 0; i < kQuantities; ++i) {
         const Real error = std::fabs(found[i] - truth[i]);
         sample.error[i] = std::isfinite(found[i]) ? static_cast<double>(error == 0 ? 0 : error / truth[i]) : INFINITY;
@@ -161,19 +182,12 @@ template <class T> class Sweep {
         const Vector3<T> wo(exactWo);
         const Vector3<T> wi(exactWi);
         if (!(wi.z > 0) || !(wo.z > 0)) return;
-        const auto inputs = canonicalTransform<Real>(m.a, m.b, m.d);
-        const Values truth = values(reference::Stable<Real>(inputs), Exact(wo), Exact(wi));
+        const Values truth = truthAt(m, wo, wi);
         const Values unrounded = values(reference::Stable<Real>(exactM), exactWo, exactWi);
-        const auto exactAlpha = equivalentAlpha(inputs);
-        const BasicEquivalentAlpha<T> alpha{static_cast<T>(exactAlpha.max), static_cast<T>(exactAlpha.min), static_cast<T>(exactAlpha.phi)};
-        const Values stable = values(reference::Stable<T>(m), wo, wi);
-        all_[kStable].samples.push_back(sampleOf(place, stable, truth));
-        all_[kRoundedInputs].samples.push_back(sampleOf(place, stable, unrounded));
-        all_[kWalter].samples.push_back(sampleOf(place, values(reference::Walter<T>(alpha), wo, wi), truth));
-        all_[kCosineSquared].samples.push_back(sampleOf(place, values(reference::CosineSquared<T>(alpha), wo, wi), truth));
-        all_[kChain].samples.push_back(sampleOf(place, values(reference::JacobianChain<T>(m), wo, wi), truth));
-        all_[kTensor].samples.push_back(sampleOf(place, values(reference::Tensor<T>(m), wo, wi), truth));
-        all_[kTextbook].samples.push_back(sampleOf(place, values(reference::Textbook<T>(alpha), wo, wi), truth));
+        const std::array<Values, kFormulations> found = evaluate(m, wo, wi);
+        const Sample at{place, {}, canonicalTransform(double(m.a), double(m.b), double(m.d)), Vec3(wo), Vec3(wi)};
+        for (std::size_t i = 0; i < kFormulations; ++i)
+            all_[i].samples.push_back(sampleOf(at, found[i], i == kRoundedInputs ? unrounded : truth));
     }
 
     [[nodiscard]] const std::vector<Formulation> &formulations() const { return all_; }
