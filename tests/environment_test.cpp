@@ -109,15 +109,20 @@ TEST_CASE("an environment sample agrees with radiance() and samplePdf()", "[envi
     std::uniform_real_distribution<float> uniform(0, kOneMinusEpsilon);
     DVec3 estimate(0);
     constexpr int kSamples = 400000;
+    int acrossAnEdge = 0; // of a texel, by the rounding of the direction
+    float brightest = 0;
+    for (const Vec3 &texel : e.texels) brightest = std::max(brightest, maxComponent(texel));
     for (int i = 0; i < kSamples; ++i) {
         const EnvironmentSample s = sample(e, {uniform(random), uniform(random)});
         REQUIRE(s.pdf > 0);
         REQUIRE(glm::length(s.direction) == Approx(1).epsilon(1e-6));
         const float pdf = samplePdf(e, s.direction);
-        REQUIRE((s.pdf == pdf || pdf == 0));
-        REQUIRE(s.radiance == radiance(e, s.direction));
+        if (s.pdf != pdf && pdf != 0) ++acrossAnEdge;
+        // Where the point was drawn in the map against where its rounded direction leads back to: 1e-6 of the map's width.
+        REQUIRE(glm::distance(s.radiance, radiance(e, s.direction)) < 1e-3F * brightest);
         estimate += DVec3(s.radiance / s.pdf);
     }
+    CHECK(acrossAnEdge < kSamples / 1000);
     estimate /= kSamples;
     const DVec3 truth = overSphere(1500, [&](const Vec3 &w) { return radiance(e, w); });
     for (int c = 0; c < 3; ++c) CHECK(estimate[c] == Approx(truth[c]).epsilon(0.01));

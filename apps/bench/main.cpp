@@ -75,8 +75,8 @@ constexpr int kAcross = 158; // 199,712 triangles
 Light areaLight() {
     Light quad; // facing down
     quad.corner = DVec3(1, -1, 3);
-    quad.u = DVec3(0, 2, 0);
-    quad.v = DVec3(-2, 0, 0);
+    quad.u = DVec3(-2, 0, 0);
+    quad.v = DVec3(0, 2, 0);
     quad.radiance = Vec3(10);
     return quad;
 }

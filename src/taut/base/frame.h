@@ -26,12 +26,18 @@ struct Frame {
 /// Frame of a unit normal that is a smooth function of the normal away from n = -z, where the field has its one
 /// singular point (the sphere's hair must part somewhere). Frisvad 2012, without the branch of Duff et al. 2017, which
 /// would put a seam along the equator.
-inline Frame smoothFrameFromNormal(const Vec3 &n) {
+inline Vec3 smoothTangentFromNormal(const Vec3 &n) {
     // 1 / (1 + z), below the equator as (1 - z) / (x^2 + y^2): near the singular point 1 + z has lost its digits.
+    // Selections, not branches: loops over many hits are vectorised.
     const float xy2 = n.x * n.x + n.y * n.y;
-    if (n.z < 0 && xy2 < 1e-14F) return {Vec3(0, -1, 0), Vec3(-1, 0, 0), n};
+    const bool pole = (n.z < 0) & (xy2 < 1e-14F);
     const float k = n.z < 0 ? (1 - n.z) / xy2 : 1 / (1 + n.z);
-    const Vec3 s = glm::normalize(Vec3(1 - n.x * n.x * k, -n.x * n.y * k, -n.x));
+    const Vec3 along(1 - n.x * n.x * k, -n.x * n.y * k, -n.x);
+    const float scale = 1 / std::sqrt(glm::dot(along, along));
+    return {pole ? 0.0F : along.x * scale, pole ? -1.0F : along.y * scale, pole ? 0.0F : along.z * scale};
+}
+inline Frame smoothFrameFromNormal(const Vec3 &n) {
+    const Vec3 s = smoothTangentFromNormal(n);
     return {s, glm::cross(n, s), n};
 }
 

@@ -7,6 +7,7 @@
 #include <glm/glm.hpp>
 #include <glm/gtc/quaternion.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 
@@ -45,7 +46,7 @@ inline float luminance(const Vec3 &rgb) {
     return 0.2126F * rgb.r + 0.7152F * rgb.g + 0.0722F * rgb.b;
 }
 inline float maxComponent(const Vec3 &v) {
-    return std::fmax(v.x, std::fmax(v.y, v.z));
+    return std::max(v.x, std::max(v.y, v.z));
 }
 inline bool isFinite(const Vec3 &v) {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);

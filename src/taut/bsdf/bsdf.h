@@ -11,6 +11,7 @@
 
 #include "taut/base/warp.h"
 #include "taut/bsdf/multiple_scattering.h"
+#include "taut/bsdf/reflection_lobe.h"
 #include "taut/microsurface/reflection_sampler.h"
 
 #include <optional>
@@ -21,6 +22,9 @@ namespace taut {
 inline float coatEscape(float eta) {
     return (1 - fresnel::diffuseReflectance(eta)) / (eta * eta);
 }
+
+/// Share of samples that may be lost to the horizon before the sampler that loses none is worth its preparation.
+inline constexpr float kBearableWaste = 0.1F;
 
 /// A Bsdf seen from one direction: what evaluation and sampling share, computed once a hit.
 class ScatteringPoint {
@@ -102,7 +106,7 @@ class ScatteringPoint {
         BsdfSample s;
         s.wi = wi;
         s.pdf = e.pdf;
-        s.weight = e.fCos / e.pdf;
+        s.weight = e.fCos * (1 / e.pdf);
         s.transmitted = wi.z < 0;
         s.etaScale = s.transmitted ? bsdf_.eta * bsdf_.eta : 1;
         return s;
@@ -124,16 +128,14 @@ class ScatteringPoint {
 
     /// Reflection lobe: F D visibility cos, and the density of its sampling, which is D times a constant.
     [[nodiscard]] BsdfEval reflection(const Vec3 &wi) const {
-        const Vec3 h = wo_ + wi;
-        const float density = ggx::distribution(bsdf_.micro, wo_, wi);
-        const float cosine = glm::dot(wo_, h) / glm::length(h);
-        const float lengthI = ggx::stretchedLength(bsdf_.micro, wi);
-        // For a back-facing wo the weight is F G1(wi), Tokuyoshi 2021.
-        const float shape = wo_.z > 0 ? ggx::visibility(wo_.z, length_, wi.z, lengthI, bsdf_.correlated) : 1 / (area_ * (wi.z + lengthI));
-        BsdfEval e{Vec3(density * shape * wi.z), density * (reflections_ ? reflections_->pdfScale() : 0.5F / area_)};
-        const Vec3 f = facetReflectance(bsdf_, cosine);
-        e.fCos *= f;
-        if (bsdf_.type == BsdfType::Dielectric) e.pdf *= f.x;
+        const LobeView view{length_, area_, reflections_ ? reflections_->pdfScale() : 0.5F / area_, bsdf_.correlated};
+        float facet = 1;
+        BsdfEval e = reflectionLobe(bsdf_.micro, view, wo_, wi, [&](float cosine) {
+            const Vec3 f = facetReflectance(bsdf_, cosine);
+            facet = f.x;
+            return f;
+        });
+        if (bsdf_.type == BsdfType::Dielectric) e.pdf *= facet;
         return e;
     }
 

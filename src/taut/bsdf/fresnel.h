@@ -25,18 +25,18 @@ inline Vec3 schlick(float cosine, const Vec3 &f0) {
 }
 
 /// Conductor of complex index eta + i k (relative to the outside), exact.
-inline float conductor(float cosine, float eta, float k) {
+[[gnu::always_inline]] inline float conductor(float cosine, float eta, float k) {
     const float c = glm::clamp(cosine, 0.0F, 1.0F);
     const float c2 = c * c;
     const float s2 = 1 - c2;
     const float t0 = eta * eta - k * k - s2;
     const float a2b2 = std::sqrt(t0 * t0 + 4 * eta * eta * k * k);
-    const float a = std::sqrt(std::fmax(0.0F, 0.5F * (a2b2 + t0)));
+    const float a = std::sqrt(std::fabs(0.5F * (a2b2 + t0))); // negative by rounding only; no branch: loops are vectorised
     const float rs = (a2b2 + c2 - 2 * a * c) / (a2b2 + c2 + 2 * a * c);
     const float rp = rs * (c2 * a2b2 + s2 * s2 - 2 * a * c * s2) / (c2 * a2b2 + s2 * s2 + 2 * a * c * s2);
     return 0.5F * (rs + rp);
 }
-inline Vec3 conductor(float cosine, const Vec3 &eta, const Vec3 &k) {
+[[gnu::always_inline]] inline Vec3 conductor(float cosine, const Vec3 &eta, const Vec3 &k) {
     return {conductor(cosine, eta.x, k.x), conductor(cosine, eta.y, k.y), conductor(cosine, eta.z, k.z)};
 }
 

@@ -19,7 +19,8 @@ inline constexpr float kNegligibleLoss = 0.01F;
 inline Multiscatter chooseMultiscatter(const MicroTransform &m, bool transmits, float negligibleLoss = kNegligibleLoss) {
     // At a roughness of 0.06 no M loses a hundredth, and less in proportion, which saves most hits the table.
     const float smallest = singularValues(m).y;
-    if (m.upright() && (smallest * 0.06F * std::fmin(1.0F, negligibleLoss / 0.01F) > 1 || 1 - energy::averageAlbedo(m) < negligibleLoss)) return Multiscatter::Off;
+    if (m.upright() && (smallest * 0.06F * std::fmin(1.0F, negligibleLoss / 0.01F) > 1 || 1 - energy::averageAlbedo(m) < negligibleLoss))
+        return Multiscatter::Off;
     return m.upright() && !transmits ? Multiscatter::Compensation : Multiscatter::Walk;
 }
 

@@ -10,6 +10,7 @@
 
 #include "taut/microsurface/ggx.h"
 
+#include <algorithm>
 #include <bit>
 #include <optional>
 
@@ -24,7 +25,7 @@ class ReflectionSampler {
     /// Bounded caps are prepared sooner than the cone, which pays off where they reject more than `bearableWaste` of the samples seen
     /// from the normal (capWaste); 0: the cone wherever it can be had.
     ReflectionSampler(const MicroTransform &m, const Vec3 &wo, float bearableWaste = 0) : m_(m), wo_(wo) {
-        if (m.upright() && wo.z > kLeastCosine && (bearableWaste <= 0 || capsWaste(m, bearableWaste))) prepareCone();
+        if (bearableWaste <= 0 ? canSampleCone(m, wo) : prefersCone(m, wo, bearableWaste)) prepareCone();
         if (!cone_) prepareCap();
     }
 
@@ -33,7 +34,11 @@ class ReflectionSampler {
     static bool capsWaste(const MicroTransform &m, float share) {
         const SlopeTensor<float> sigma = slopeTensor(m);
         const float all = sqr(1 - share) * (1 + sigma.xx + sigma.yy + sigma.determinant);
-        return all > 1 && all > sqr(1 + std::fmin(sigma.smaller(), 1.0F));
+        return (all > 1) & (all > sqr(1 + std::min(sigma.smaller(), 1.0F)));
+    }
+    /// Whether a sampler made with this `bearableWaste` > 0 will try the cone.
+    static bool prefersCone(const MicroTransform &m, const Vec3 &wo, float bearableWaste) {
+        return canSampleCone(m, wo) & capsWaste(m, bearableWaste);
     }
 
     /// wi with density pdf(wi), or nothing where the sampled normal reflects below the horizon. u and coin are uniform in [0, 1).
@@ -58,6 +63,8 @@ class ReflectionSampler {
     [[nodiscard]] float reflectedShare() const { return 1 / (2 * (wo_.z + ggx::stretchedLength(m_, wo_)) * pdfScale_); }
 
   private:
+    static bool canSampleCone(const MicroTransform &m, const Vec3 &wo) { return m.upright() & (wo.z > kLeastCosine); }
+
     /// Below this wo.z nothing is lost to the horizon that a float could tell.
     static constexpr float kLeastCosine = 1e-6F;
 

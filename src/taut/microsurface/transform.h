@@ -39,7 +39,7 @@ template <class T> struct BasicMicroTransform {
         const T y = (w.y - b * x) * inverseD;
         return {x, y, w.z - p * x - q * y};
     }
-    [[nodiscard]] bool upright() const { return p == 0 && q == 0; }
+    [[nodiscard]] bool upright() const { return (p == 0) & (q == 0); }
 };
 using MicroTransform = BasicMicroTransform<float>;
 
@@ -76,6 +76,26 @@ BasicMicroTransform<T> canonicalTransform(std::type_identity_t<Wider<T>> a, std:
     return {T(a), T(b), T(d), T(p), T(q), T(1 / a), T(1 / d), T(a * d)};
 }
 
+/// A 2x2 block turned on the right into [across along; 0 length], which leaves M M^T alone.
+template <class W> struct TriangularForm {
+    W across, along, length;
+    bool inRange; ///< its singular values are within the limits above
+};
+/// LQ of [a b; c d] by one Givens rotation: the second row becomes (0, |(c, d)|), the first keeps its area and its product with the
+/// second. The signs of the columns are free in M M^T.
+template <class W> inline TriangularForm<W> triangularForm(W a, W b, W c, W d) {
+    constexpr W kLeast = kLeastSingularValue;
+    constexpr W kGreatest = kGreatestSingularValue;
+    const W det = std::fabs(a * d - b * c);
+    const W length = std::sqrt(c * c + d * d);
+    const W along = length > 0 ? (a * c + b * d) / length : b;
+    const W across = length > 0 ? det / length : std::fabs(a);
+    const W norm2 = across * across + along * along + length * length;
+    // Without && : loops over many hits are vectorised.
+    const bool inRange = (det > 0) & (norm2 <= kGreatest * kGreatest) & (det * det >= kLeast * kLeast * norm2);
+    return {across, along, length, inRange};
+}
+
 /// From any 2x2 block [a b; c d] (rows; det of either sign or zero) and a lean. Rotates on the right to triangular form, which
 /// leaves M M^T alone, and clamps singular values (policy above).
 template <class T = float>
@@ -85,15 +105,8 @@ BasicMicroTransform<T> microTransform(std::type_identity_t<Wider<T>> a, std::typ
     using W = Wider<T>;
     constexpr W kLeast = kLeastSingularValue;
     constexpr W kGreatest = kGreatestSingularValue;
-    // LQ by one Givens rotation: the second row becomes (0, |(c, d)|), the first keeps its area and its product with the second.
-    // The signs of the columns are free in M M^T.
-    const W det = std::fabs(a * d - b * c);
-    const W length = std::sqrt(c * c + d * d);
-    const W along = length > 0 ? (a * c + b * d) / length : b;
-    const W across = length > 0 ? det / length : std::fabs(a);
-    const W norm2 = across * across + along * along + length * length;
-    if (det > 0 && norm2 <= kGreatest * kGreatest && det * det >= kLeast * kLeast * norm2)
-        return canonicalTransform<T>(across, along, length, p, q);
+    const auto [across, along, length, inRange] = triangularForm<W>(a, b, c, d);
+    if (inRange) return canonicalTransform<T>(across, along, length, p, q);
 
     const Vector2<W> sigma = singularValues<W>(across, along, 0, length);
     if (sigma.y >= kLeast && sigma.x <= kGreatest) return canonicalTransform<T>(across, along, length, p, q);

@@ -3,6 +3,7 @@
 #include "taut/base/sobol.h"
 #include "taut/base/warp.h"
 #include "taut/render/aov.h"
+#include "taut/render/hit_lanes.h"
 
 #include <algorithm>
 #include <chrono>
@@ -42,11 +43,6 @@ struct ShadowTest {
     Vec3 contribution;
 };
 
-float powerHeuristic(float a, float b) {
-    const float a2 = a * a;
-    return a2 / (a2 + b * b);
-}
-
 /// The rigid motion between the two steps around a time: linear in place, in rotation by Gram-Schmidt of the linear mean.
 Affine rigidAt(const std::vector<Affine> &steps, float time) {
     Affine m = affineAt(steps, time);
@@ -75,6 +71,10 @@ RayCounts &RayCounts::operator+=(const RayCounts &other) {
 }
 
 struct PathTracer::State {
+    State(const RenderScene &scene_, const std::vector<PreparedMaterial> &materials_, const TraceSettings &settings_)
+        : scene(scene_), materials(materials_), settings(settings_),
+          pixelSize(static_cast<float>(2 * std::tan(0.5 * scene_.camera().fovY) / settings_.height)) {}
+
     const RenderScene &scene;
     const std::vector<PreparedMaterial> &materials;
     TraceSettings settings;
@@ -87,6 +87,13 @@ struct PathTracer::State {
     std::vector<Hit> hits;
     std::vector<ShadowTest> shadowTests;
     std::vector<unsigned char> blocked;
+
+    // Hits that are shaded at once.
+    std::vector<PlainMaterial> plainMaterials; ///< [materials]
+    std::vector<unsigned char> plainObjects;   ///< [objects]
+    std::vector<std::vector<Index>> waiting;   ///< [materials] hits of this event
+    std::unique_ptr<HitLanes> lanes = std::make_unique<HitLanes>();
+    float lightDistances[HitLanes::kSize];
 
     [[nodiscard]] Vec2 random2(const Path &path, std::uint32_t dimension) const { return sobol2(path.sample, hash(path.seed, dimension)); }
     [[nodiscard]] float random1(const Path &path, std::uint32_t dimension) const { return sobol1(path.sample, hash(path.seed, dimension)); }
@@ -105,25 +112,20 @@ struct PathTracer::State {
     /// Adds the quad and sphere lights on a ray's way; true where a camera ray ends on one.
     bool meetLights(Path &path, const Ray &ray, float farthest) const;
     void shade(int event, Index index, const Ray &ray, const Hit &hit, const std::vector<Aov> &wanted, int aovChannels);
+    [[nodiscard]] bool waits(int event, std::size_t i, int aovChannels);
+    void gather(std::size_t lane, std::size_t i);
+    void shadeAtOnce(int event, const PlainMaterial &material, std::span<const Index> chunk);
     void connectLight(int event, Index index, const SurfacePoint &point, const ScatteringPoint &scattering);
     void testShadows();
 };
 
 PathTracer::PathTracer(const RenderScene &scene, const std::vector<PreparedMaterial> &materials, const TraceSettings &settings)
-    : state_(new State{scene,
-                       materials,
-                       settings,
-                       static_cast<float>(2 * std::tan(0.5 * scene.camera().fovY) / settings.height),
-                       {},
-                       {},
-                       {},
-                       {},
-                       {},
-                       {},
-                       {},
-                       {},
-                       {},
-                       {}}) {}
+    : state_(std::make_unique<State>(scene, materials, settings)) {
+    State &s = *state_;
+    for (const PreparedMaterial &material : materials) s.plainMaterials.push_back(plainMaterial(material));
+    for (const RenderObject &object : scene.objects()) s.plainObjects.push_back(!settings.oneByOne && isPlain(object) ? 1 : 0);
+    s.waiting.resize(materials.size());
+}
 PathTracer::~PathTracer() = default;
 
 void PathTracer::State::startPaths(const Window &tile, int firstSample, int lastSample) {
@@ -180,8 +182,8 @@ void PathTracer::State::escape(Path &path, const Ray &ray) const {
         path.alpha = 1;
         return;
     }
-    const float weight = powerHeuristic(path.scatterPdf, environmentPdf(lights, ray.origin, ray.direction));
-    path.radiance += path.throughput * environmentRadiance(lights, ray.direction) * weight;
+    const EnvironmentLookup met = environmentAt(lights, ray.origin, ray.direction);
+    path.radiance += path.throughput * met.radiance * powerHeuristic(path.scatterPdf, met.pdf);
 }
 
 bool PathTracer::State::meetLights(Path &path, const Ray &ray, float farthest) const {
@@ -265,9 +267,9 @@ void PathTracer::State::shade(int event, Index index, const Ray &ray, const Hit 
     path.etaScale *= sampled->etaScale;
     path.scatterPdf = sampled->pdf;
     if (event + 1 >= kRouletteStart) {
-        const float survive = std::fmin(0.95F, maxComponent(path.throughput) * path.etaScale);
+        const float survive = std::min(0.95F, maxComponent(path.throughput) * path.etaScale);
         if (!(random1(path, dimensionOf(event, kRoulette)) < survive)) return;
-        path.throughput /= survive;
+        path.throughput *= 1 / survive;
     }
     Ray next;
     next.origin = offsetOrigin(point, side > 0);
@@ -275,6 +277,115 @@ void PathTracer::State::shade(int event, Index index, const Ray &ray, const Hit 
     next.time = path.time;
     nextRays.push_back(next);
     stillActive.push_back(index);
+}
+
+/// Puts a hit aside to be shaded with others, where its mesh and material are plain.
+bool PathTracer::State::waits(int event, std::size_t i, int aovChannels) {
+    const Hit &hit = hits[i];
+    const Index owner = scene.objectOfGeometry(hit.geometry);
+    if (plainObjects[owner] == 0 || (event == 0 && aovChannels > 0)) return false;
+    const RenderObject &object = scene.objects()[owner];
+    const std::vector<Index> &own = object.object->materials;
+    const Index slot = object.surface.triangleSlots.empty() ? 0 : object.surface.triangleSlots[hit.primitive];
+    const Index material = own[std::min<std::size_t>(slot, own.size() - 1)];
+    if (plainMaterials[material].kind == PlainKind::None) return false;
+    if (event == 0) paths[active[i]].alpha = 1;
+    if (event < settings.maxEvents) waiting[material].push_back(static_cast<Index>(i));
+    return true;
+}
+
+/// What lane `lane` needs of hit i.
+void PathTracer::State::gather(std::size_t lane, std::size_t i) {
+    HitLanes &l = *lanes;
+    const Hit &hit = hits[i];
+    const RenderObject &object = scene.objects()[scene.objectOfGeometry(hit.geometry)];
+    const SurfaceStep &step = object.steps.front();
+    const Index3 t = object.surface.triangles[hit.primitive];
+    const Vec3 b(1 - hit.u - hit.v, hit.u, hit.v);
+    const Vec3 p0 = step.positions[t.x];
+    const Vec3 p1 = step.positions[t.y];
+    const Vec3 p2 = step.positions[t.z];
+    InterpolatedSurface p;
+    p.position = p0 * b.x + p1 * b.y + p2 * b.z;
+    p.e1 = p1 - p0;
+    p.e2 = p2 - p0;
+    p.normal = step.normals[t.x] * b.x + step.normals[t.y] * b.y + step.normals[t.z] * b.z;
+    p.tangent = step.tangents[t.x] * b.x + step.tangents[t.y] * b.y + step.tangents[t.z] * b.z;
+    p.corners = std::max(extentOf(p0), std::max(extentOf(p1), extentOf(p2)));
+    if (object.instanced) place(p, object.placements.front());
+    l.position.set(lane, p.position);
+    l.e1.set(lane, p.e1);
+    l.e2.set(lane, p.e2);
+    l.normal.set(lane, p.normal);
+    l.tangent.set(lane, Vec3(p.tangent));
+    l.tangentSense[lane] = p.tangent.w;
+    l.corners[lane] = p.corners;
+    l.hand[lane] = object.mirrored ? -1.0F : 1.0F;
+    SymmetricTensor v;
+    if (step.stretch.size() == 1) {
+        v = step.stretch.front();
+    } else if (object.stretchOnFaces() && !step.stretch.empty()) {
+        v = step.stretch[hit.primitive];
+    } else if (!step.stretch.empty()) {
+        const SymmetricTensor &v0 = step.stretch[t.x];
+        const SymmetricTensor &v1 = step.stretch[t.y];
+        const SymmetricTensor &v2 = step.stretch[t.z];
+        v.diagonal = v0.diagonal * b.x + v1.diagonal * b.y + v2.diagonal * b.z;
+        v.offDiagonal = v0.offDiagonal * b.x + v1.offDiagonal * b.y + v2.offDiagonal * b.z;
+    }
+    l.diagonal.set(lane, v.diagonal);
+    l.offDiagonal.set(lane, v.offDiagonal);
+    l.deforms[lane] = step.stretch.empty() ? 0 : 1;
+    l.wo.set(lane, -rays[i].direction);
+    const Path &path = paths[active[i]];
+    l.throughput.set(lane, path.throughput);
+    l.etaScale[lane] = path.etaScale;
+    l.sample[lane] = path.sample;
+    l.seed[lane] = path.seed;
+    l.path[lane] = active[i];
+}
+
+void PathTracer::State::shadeAtOnce(int event, const PlainMaterial &material, std::span<const Index> chunk) {
+    HitLanes &l = *lanes;
+    l.count = static_cast<int>(chunk.size());
+    const auto padded = static_cast<std::size_t>(l.padded());
+    for (std::size_t k = 0; k < padded; ++k) gather(k, chunk[k < chunk.size() ? k : 0]);
+    const bool rouletteOn = event + 1 >= kRouletteStart;
+    const EventNumbers numbers{dimensionOf(event, kScatterDirection), dimensionOf(event, kScatterLobe), dimensionOf(event, kLightPoint),
+                               dimensionOf(event, kLightChoice), dimensionOf(event, kRoulette)};
+    view(l, material, numbers, rouletteOn);
+    for (std::size_t k = 0; k < padded; ++k) {
+        const LightSample light =
+            sampleLight(scene.lights(), l.position.at(k), paths[l.path[k]].time, l.lightChoice[k], {l.lightU[k], l.lightV[k]});
+        l.lightDirection.set(k, light.direction);
+        l.lightRadiance.set(k, light.radiance);
+        l.lightPdf[k] = light.pdf;
+        l.lightWeighted[k] = light.delta ? 0.0F : 1.0F;
+        lightDistances[k] = light.distance;
+    }
+    connect(l, material);
+    scatter(l, material, rouletteOn);
+    for (std::size_t k = 0; k < chunk.size(); ++k) {
+        Path &path = paths[l.path[k]];
+        if (l.connects[k] > 0) {
+            Ray ray;
+            ray.origin = l.shadowOrigin.at(k);
+            ray.direction = l.lightDirection.at(k);
+            ray.farthest = lightDistances[k] * (1 - 1e-4F);
+            ray.time = path.time;
+            shadowRays.push_back(ray);
+            shadowTests.push_back({l.path[k], l.contribution.at(k)});
+        }
+        if (!(l.goesOn[k] > 0)) continue;
+        path.throughput = l.nextThroughput.at(k);
+        path.scatterPdf = l.scatterPdf[k];
+        Ray next;
+        next.origin = l.nextOrigin.at(k);
+        next.direction = l.nextDirection.at(k);
+        next.time = path.time;
+        nextRays.push_back(next);
+        stillActive.push_back(l.path[k]);
+    }
 }
 
 void PathTracer::State::shadeAll(int event, const std::vector<Aov> &wanted, int aovChannels) {
@@ -287,8 +398,14 @@ void PathTracer::State::shadeAll(int event, const std::vector<Aov> &wanted, int 
         if (meetLights(path, rays[i], hits[i].t)) continue;
         if (hits[i].geometry == kNone)
             escape(path, rays[i]);
-        else
+        else if (!waits(event, i, aovChannels))
             shade(event, active[i], rays[i], hits[i], wanted, aovChannels);
+    }
+    for (std::size_t m = 0; m < waiting.size(); ++m) {
+        const std::span<const Index> all = waiting[m];
+        for (std::size_t begin = 0; begin < all.size(); begin += HitLanes::kSize)
+            shadeAtOnce(event, plainMaterials[m], all.subspan(begin, std::min<std::size_t>(HitLanes::kSize, all.size() - begin)));
+        waiting[m].clear();
     }
     active.swap(stillActive);
     rays.swap(nextRays);

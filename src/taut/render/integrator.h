@@ -29,6 +29,7 @@ struct TraceSettings {
     bool boxFilter = false;
     std::uint32_t seed = 0; ///< of this frame
     RayRecord *record = nullptr;
+    bool oneByOne = false; ///< shade no hits at once (hit_lanes.h): to measure, and to test that nothing changes
 };
 
 /// Working memory of one thread; reused from tile to tile.

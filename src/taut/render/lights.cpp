@@ -18,15 +18,15 @@ float importance(const LightEntry &entry, const LightTable &table, const Vec3 &p
     const float strength = luminance(entry.radiance);
     const auto overDistance2 = [&](const Vec3 &from) {
         const Vec3 d = from - point;
-        return 1 / std::fmax(glm::dot(d, d), 1e-20F);
+        return 1 / std::max(glm::dot(d, d), 1e-20F);
     };
     switch (entry.kind) {
     case LightKind::Environment: return luminance(table.environment->mean) * kPi;
     case LightKind::Quad:
         if (!entry.twoSided && glm::dot(point - entry.origin, entry.direction) <= 0) return 0;
         [[fallthrough]];
-    case LightKind::Mesh: return strength * std::fmin(2 * kPi, entry.area * overDistance2(entry.centre));
-    case LightKind::Sphere: return strength * kPi * std::fmin(2.0F, sqr(entry.radius) * overDistance2(entry.origin));
+    case LightKind::Mesh: return strength * std::min(2 * kPi, entry.area * overDistance2(entry.centre));
+    case LightKind::Sphere: return strength * kPi * std::min(2.0F, sqr(entry.radius) * overDistance2(entry.origin));
     case LightKind::Directional: return strength;
     case LightKind::Point:
     case LightKind::Spot: return strength * overDistance2(entry.origin);
@@ -75,14 +75,14 @@ LightSample sampleSphere(const LightEntry &entry, const Vec3 &point, const Vec2 
     const float cap = sphereCap(entry, point);
     if (cap >= 2) return s; // from inside: left to scattered rays
     const float oneMinusCos = u.x * cap;
-    const float sine = std::sqrt(std::fmax(0.0F, oneMinusCos * (2 - oneMinusCos)));
+    const float sine = std::sqrt(std::max(0.0F, oneMinusCos * (2 - oneMinusCos)));
     const float phi = 2 * kPi * u.y;
     const float centreDistance = glm::length(toCentre);
     const Frame frame = smoothFrameFromNormal(toCentre / centreDistance);
     s.direction = glm::normalize(frame.fromLocal({sine * std::cos(phi), sine * std::sin(phi), 1 - oneMinusCos}));
     const float along = glm::dot(toCentre, s.direction);
     const float discriminant = sqr(entry.radius) - (glm::dot(toCentre, toCentre) - along * along);
-    s.distance = along - std::sqrt(std::fmax(0.0F, discriminant));
+    s.distance = along - std::sqrt(std::max(0.0F, discriminant));
     s.radiance = entry.radiance;
     s.pdf = 1 / (2 * kPi * cap);
     return s;
@@ -228,9 +228,11 @@ Vec3 environmentRadiance(const LightTable &table, const Vec3 &direction) {
     return table.environment != nullptr ? radiance(*table.environment, table.worldFromRender * direction) : Vec3(0);
 }
 
-float environmentPdf(const LightTable &table, const Vec3 &point, const Vec3 &direction) {
-    if (table.environment == nullptr) return 0;
-    return choiceProbability(table, table.environmentEntry, point) * samplePdf(*table.environment, table.worldFromRender * direction);
+EnvironmentLookup environmentAt(const LightTable &table, const Vec3 &point, const Vec3 &direction) {
+    if (table.environment == nullptr) return {Vec3(0), 0};
+    EnvironmentLookup found = lookup(*table.environment, table.worldFromRender * direction);
+    found.pdf *= table.environmentEntry == kNone ? 0.0F : choiceProbability(table, table.environmentEntry, point);
+    return found;
 }
 
 } // namespace taut

@@ -43,11 +43,17 @@ struct LightSample {
     bool delta = false; ///< can't be met by a scattered ray
 };
 
+/// Veach 1997, section 9.2.
+inline float powerHeuristic(float a, float b) {
+    const float a2 = a * a;
+    return a2 / (a2 + b * b);
+}
+
 struct LightTable {
     std::vector<LightEntry> entries;
     const Environment *environment = nullptr;
-    Index environmentEntry = kNone;
-    Mat3 worldFromRender{1}; ///< rotation
+    Index environmentEntry = kNone; ///< none for a constant one: only scattered rays find it
+    Mat3 worldFromRender{1};        ///< rotation
 };
 
 /// Probability with which sampleLight chooses an entry at `point`: after the irradiance it could send there, unoccluded, with a
@@ -79,8 +85,8 @@ Vec3 emitterPosition(const LightEntry &entry, Index vertex, float time);
 /// What lightHitPdf() asks for.
 float emitterGrowth(const LightEntry &entry, Index triangle, float time);
 
-/// Radiance that a ray leaving the scene along `direction` meets, and the density with which light sampling at `point` finds it.
+/// Radiance that a ray leaving the scene along `direction` meets; with the density with which light sampling at `point` finds it.
 Vec3 environmentRadiance(const LightTable &table, const Vec3 &direction);
-float environmentPdf(const LightTable &table, const Vec3 &point, const Vec3 &direction);
+EnvironmentLookup environmentAt(const LightTable &table, const Vec3 &point, const Vec3 &direction);
 
 } // namespace taut

@@ -37,7 +37,8 @@ FrameResult renderFrame(const RenderScene &scene, const FrameOptions &options) {
     const auto start = std::chrono::steady_clock::now();
     const auto elapsed = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
     const std::vector<PreparedMaterial> materials = prepareMaterials(scene.scene(), scene.plan());
-    const TraceSettings settings{render.width, render.height, render.maxEvents, render.boxFilter, options.seed, options.record};
+    const TraceSettings settings{render.width, render.height,  render.maxEvents, render.boxFilter,
+                                 options.seed, options.record, options.oneByOne};
 
     struct Worker {
         PathTracer tracer;

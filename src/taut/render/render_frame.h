@@ -15,6 +15,7 @@ struct FrameOptions {
     std::vector<Aov> aovs;
     std::uint32_t seed = 0; ///< of this frame, already decorrelated
     RayRecord *record = nullptr;
+    bool oneByOne = false;                ///< as in TraceSettings
     std::function<void(double)> progress; ///< share done in [0, 1]; called from one thread at a time
 };
 

@@ -135,8 +135,9 @@ void RenderScene::placeLights(const DMat4 &renderFromWorld) {
     lights_.worldFromRender = Mat3(DMat3(worldFromRender_));
     lights_.environment = nullptr;
     lights_.environmentEntry = kNone;
-    if (scene_->environment && scene_->environment->mean != Vec3(0)) {
-        lights_.environment = &*scene_->environment;
+    if (scene_->environment && scene_->environment->mean != Vec3(0)) lights_.environment = &*scene_->environment;
+    // Scattered rays sample what they weigh a constant sky with; aiming at it would only add shadow rays.
+    if (lights_.environment != nullptr && !lights_.environment->constant) {
         lights_.environmentEntry = static_cast<Index>(lights_.entries.size());
         lights_.entries.push_back({});
         lights_.entries.back().kind = LightKind::Environment;

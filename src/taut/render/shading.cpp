@@ -71,17 +71,6 @@ std::vector<PreparedMaterial> prepareMaterials(const Scene &scene, const ScenePl
 
 namespace {
 
-/// Greatest coordinate.
-float extentOf(const Vec3 &v) {
-    return std::fmax(std::fmax(std::fabs(v.x), std::fabs(v.y)), std::fabs(v.z));
-}
-
-/// Clearance of a point: render space has the camera at the origin, so rounding of a position grows with its distance; and with the
-/// size of what it is computed from, a triangle whose corners are far away, a mesh that is placed from afar.
-float clearanceOf(const Vec3 &position, float corners) {
-    return std::fmax(std::fmax(4e-6F * extentOf(position), 1e-6F * corners), 1e-12F);
-}
-
 /// Attributes of a triangle's three corners at one time: between two steps of the shutter where there are several.
 class CornerValues {
   public:
@@ -158,47 +147,32 @@ SurfacePoint surfacePointAt(const RenderScene &scene, const std::vector<Prepared
     point.object = &object;
     point.corners = t;
     point.barycentrics = b;
+    InterpolatedSurface at;
     const Vec3 p0 = values.at(&SurfaceStep::positions, t.x);
     const Vec3 p1 = values.at(&SurfaceStep::positions, t.y);
     const Vec3 p2 = values.at(&SurfaceStep::positions, t.z);
-    point.position = p0 * b.x + p1 * b.y + p2 * b.z;
-    Vec3 normal = values.interpolate(&SurfaceStep::normals, b);
-    Vec4 tangent = values.interpolate(&SurfaceStep::tangents, b);
-    Vec3 e1 = p1 - p0;
-    Vec3 e2 = p2 - p0;
-    float corners = std::fmax(extentOf(p0), std::fmax(extentOf(p1), extentOf(p2)));
-    if (object.instanced) {
-        const Affine m = affineAt(object.placements, time);
-        point.position = transformPoint(m, point.position);
-        e1 = transformVector(m, e1);
-        e2 = transformVector(m, e2);
-        normal = transformVector(m, normal);
-        tangent = Vec4(transformVector(m, Vec3(tangent)), tangent.w);
-        corners += extentOf(m[3]);
-    }
-    point.clearance = clearanceOf(point.position, corners);
-    Vec3 geometric = glm::cross(e1, e2);
-    const float doubleArea = glm::length(geometric);
-    geometric = doubleArea > 0 ? geometric / doubleArea : wo;
-    if (object.mirrored) geometric = -geometric;
-    point.front = glm::dot(geometric, wo) >= 0;
-    point.geometricNormal = point.front ? geometric : -geometric;
-
-    const float normalLength = glm::length(normal);
-    normal = normalLength > 0 ? normal / normalLength : geometric;
-    point.frame = smoothFrameFromNormal(point.front ? normal : -normal);
-    const Vec2 projected(glm::dot(point.frame.s, Vec3(tangent)), glm::dot(point.frame.t, Vec3(tangent)));
-    const float projectedLength = glm::length(projected);
-    if (projectedLength > 0) point.tangent = projected / projectedLength;
-    // The sense of b0 is held against the outside; the frame follows the viewer's side.
-    const float sense = (tangent.w < 0) == point.front ? -1.0F : 1.0F;
+    at.position = p0 * b.x + p1 * b.y + p2 * b.z;
+    at.e1 = p1 - p0;
+    at.e2 = p2 - p0;
+    at.normal = values.interpolate(&SurfaceStep::normals, b);
+    at.tangent = values.interpolate(&SurfaceStep::tangents, b);
+    at.corners = std::max(extentOf(p0), std::max(extentOf(p1), extentOf(p2)));
+    at.hand = object.mirrored ? -1.0F : 1.0F;
+    if (object.instanced) place(at, affineAt(object.placements, time));
+    const SurfaceGeometry geometry = surfaceGeometry(at, wo);
+    point.position = at.position;
+    point.geometricNormal = geometry.geometricNormal;
+    point.clearance = geometry.clearance;
+    point.front = geometry.facing > 0;
+    point.frame = Frame(geometry.s, geometry.t, geometry.n);
+    point.tangent = geometry.tangent;
     deformationAt(object, values, point);
     if (!surface.uvs.empty()) point.uv = surface.uvs[t.x] * b.x + surface.uvs[t.y] * b.y + surface.uvs[t.z] * b.z;
 
     const Index slot = surface.triangleSlots.empty() ? 0 : surface.triangleSlots[hit.primitive];
     const Object &source = *object.object;
     const Index material = source.materials[std::min<std::size_t>(slot, source.materials.size() - 1)];
-    point.bsdf = makeBsdf(materials[material], scene.scene(), point, sense, point.baseColor);
+    point.bsdf = makeBsdf(materials[material], scene.scene(), point, geometry.sense, point.baseColor);
     if (source.emission.value != Vec3(0) && (point.front || source.emissionTwoSided))
         point.emission = evaluate(source.emission, scene.scene(), point.uv);
     return point;

@@ -4,6 +4,7 @@
 #include "taut/base/frame.h"
 #include "taut/bsdf/bsdf.h"
 #include "taut/render/render_scene.h"
+#include "taut/render/surface_geometry.h"
 
 namespace taut {
 
@@ -40,6 +41,16 @@ std::vector<PreparedMaterial> prepareMaterials(const Scene &scene, const ScenePl
 /// Fills the point for a hit at a time in the shutter. `wo` is the unit direction back along the ray.
 SurfacePoint surfacePointAt(const RenderScene &scene, const std::vector<PreparedMaterial> &materials, const Hit &hit, const Vec3 &wo,
                             float time = 0);
+
+/// Takes a point of an instanced mesh from local to render space.
+inline void place(InterpolatedSurface &point, const Affine &renderFromLocal) {
+    point.position = transformPoint(renderFromLocal, point.position);
+    point.e1 = transformVector(renderFromLocal, point.e1);
+    point.e2 = transformVector(renderFromLocal, point.e2);
+    point.normal = transformVector(renderFromLocal, point.normal);
+    point.tangent = Vec4(transformVector(renderFromLocal, Vec3(point.tangent)), point.tangent.w);
+    point.corners += extentOf(renderFromLocal[3]);
+}
 
 /// The point moved off the surface, to the viewer's side or the other, far enough that a ray from there does not meet it again.
 inline Vec3 offsetOrigin(const SurfacePoint &point, bool viewersSide) {

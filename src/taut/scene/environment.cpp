@@ -1,5 +1,6 @@
 #include "taut/scene/environment.h"
 
+#include "taut/base/warp.h"
 #include "taut/scene/texture.h"
 
 #include <algorithm>
@@ -37,14 +38,28 @@ Vec3 bilinearMean(const Environment &e, int column, int row) {
     return sum;
 }
 
-/// Cumulative sums and probabilities of weights; returns their total. All zero where the total is.
-double buildCumulative(const std::vector<double> &weights, Environment::TableEntry *out) {
+/// Cumulative sums and probabilities of weights, and the guide to them; returns their total. All zero where the total is.
+double buildCumulative(const std::vector<double> &weights, Environment::TableEntry *out, Index *guide) {
     const double total = std::accumulate(weights.begin(), weights.end(), 0.0);
+    const std::size_t count = weights.size();
     double sum = 0;
-    for (std::size_t i = 0; i < weights.size(); ++i) {
+    float below = 0;
+    for (std::size_t i = 0; i < count; ++i) {
         sum += weights[i];
-        out[i].cumulative = total > 0 ? sum / total : 0;
-        out[i].density = total > 0 ? static_cast<float>(weights[i] / total) : 0.0F;
+        out[i].cumulative = total > 0 ? std::min(1.0F, static_cast<float>(sum / total)) : 0;
+        out[i].density = out[i].cumulative - below; // as numbers are drawn; what is rounded away is left to scattered rays
+        below = out[i].cumulative;
+    }
+    if (total > 0) { // the last with any weight ends at 1
+        std::size_t last = count - 1;
+        while (weights[last] == 0) --last;
+        out[last].density += 1 - out[last].cumulative;
+        for (std::size_t i = last; i < count; ++i) out[i].cumulative = 1;
+    }
+    Index entry = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+        while (entry + 1 < count && out[entry].cumulative <= static_cast<float>(i) / static_cast<float>(count)) ++entry;
+        guide[i] = entry;
     }
     return total;
 }
@@ -55,24 +70,27 @@ struct Drawn {
 };
 
 /// The entry that u falls into; entries of weight 0 are never drawn.
-Drawn draw(const Environment::TableEntry *entries, int count, float u) {
-    const double target = static_cast<double>(u) * entries[count - 1].cumulative;
-    const auto *found =
-        std::upper_bound(entries, entries + count, target, [](double x, const Environment::TableEntry &e) { return x < e.cumulative; });
-    const int i = std::min(static_cast<int>(found - entries), count - 1);
-    const double below = i == 0 ? 0 : entries[i - 1].cumulative;
-    const double share = entries[i].cumulative - below;
-    return {i, share > 0 ? std::clamp(static_cast<float>((target - below) / share), 0.0F, kOneMinusEpsilon) : 0.5F};
+Drawn draw(const Environment::TableEntry *entries, const Index *guide, int count, float u) {
+    int i = static_cast<int>(guide[std::min(static_cast<int>(u * static_cast<float>(count)), count - 1)]);
+    while (i > 0 && entries[i - 1].cumulative > u) --i; // the share that u falls into was rounded up
+    while (i + 1 < count && entries[i].cumulative <= u) ++i;
+    const float below = i == 0 ? 0 : entries[i - 1].cumulative;
+    const float share = entries[i].cumulative - below;
+    return {i, share > 0 ? std::clamp((u - below) / share, 0.0F, kOneMinusEpsilon) : 0.5F};
 }
 
 const Environment::TableEntry *columnsOfRow(const Environment &e, int row) {
     return e.table.data() + e.height + static_cast<std::ptrdiff_t>(row) * e.width;
 }
 
-/// Map coordinates (u, v) in [0, 1] of a world direction. theta from atan2, which keeps its digits at the poles.
+const Index *guideOfRow(const Environment &e, int row) {
+    return e.guide.data() + e.height + static_cast<std::ptrdiff_t>(row) * e.width;
+}
+
+/// Map coordinates (u, v) in [0, 1] of a world direction. theta by its tangent, which keeps its digits at the poles.
 Vec2 mapCoordinates(const Environment &e, const Vec3 &world) {
-    const float u = 0.5F - (std::atan2(world.y, world.x) - static_cast<float>(e.rotation)) / (2 * kPi);
-    return {u - std::floor(u), std::atan2(std::sqrt(world.x * world.x + world.y * world.y), world.z) * kInvPi};
+    const float u = 0.5F - turnsOf(world.x, world.y) + static_cast<float>(e.rotation) / (2 * kPi);
+    return {u - std::floor(u), 2 * turnsOf(world.z, std::sqrt(world.x * world.x + world.y * world.y))};
 }
 
 /// Radiance at map coordinates, bilinear between texel centres.
@@ -90,6 +108,12 @@ Vec3 bilinear(const Environment &e, const Vec2 &uv) {
 
 float densityOfTexel(const Environment &e, int column, int row) {
     return e.table[static_cast<std::size_t>(row)].density * columnsOfRow(e, row)[column].density;
+}
+
+float densityAt(const Environment &e, const Vec2 &uv) {
+    const int column = std::clamp(static_cast<int>(uv.x * static_cast<float>(e.width)), 0, e.width - 1);
+    const int row = std::clamp(static_cast<int>(uv.y * static_cast<float>(e.height)), 0, e.height - 1);
+    return densityOfTexel(e, column, row);
 }
 
 constexpr float kUniformPdf = 0.25F * kInvPi;
@@ -135,6 +159,10 @@ void buildSampling(Environment &e) {
     std::vector<double> rows(static_cast<std::size_t>(e.height));
     std::vector<double> columns(width);
     e.table.resize(rows.size() * (width + 1));
+    e.guide.resize(e.table.size());
+    e.rowHeight.resize(rows.size() + 1);
+    for (std::size_t row = 0; row <= rows.size(); ++row) // 1 - cos, without cancellation
+        e.rowHeight[row] = 2 * sqr(std::sin(kTwoPi / 4 * static_cast<double>(row) / static_cast<double>(rows.size())));
     DVec3 sum(0);
     for (int row = 0; row < e.height; ++row) {
         DVec3 rowSum(0);
@@ -144,11 +172,12 @@ void buildSampling(Environment &e) {
             columns[static_cast<std::size_t>(column)] = std::max(0.0F, luminance(mean));
         }
         sum += rowSum * solidAngleOfTexel(e, row);
-        Environment::TableEntry *out = e.table.data() + e.height + static_cast<std::ptrdiff_t>(row) * e.width;
-        rows[static_cast<std::size_t>(row)] = buildCumulative(columns, out) * solidAngleOfTexel(e, row);
+        const std::ptrdiff_t first = e.height + static_cast<std::ptrdiff_t>(row) * e.width;
+        rows[static_cast<std::size_t>(row)] =
+            buildCumulative(columns, e.table.data() + first, e.guide.data() + first) * solidAngleOfTexel(e, row);
     }
     e.mean = Vec3(sum / (2 * kTwoPi));
-    if (buildCumulative(rows, e.table.data()) > 0) {
+    if (buildCumulative(rows, e.table.data(), e.guide.data()) > 0) {
         for (int row = 0; row < e.height; ++row)
             e.table[static_cast<std::size_t>(row)].density /= static_cast<float>(solidAngleOfTexel(e, row));
     } else { // black: nothing to aim at
@@ -157,6 +186,8 @@ void buildSampling(Environment &e) {
         e.mean = Vec3(0);
         e.constant = true;
         e.table.clear();
+        e.guide.clear();
+        e.rowHeight.clear();
     }
 }
 
@@ -165,27 +196,30 @@ Vec3 radiance(const Environment &e, const Vec3 &w) {
 }
 
 float samplePdf(const Environment &e, const Vec3 &w) {
-    if (e.constant) return kUniformPdf;
+    return e.constant ? kUniformPdf : densityAt(e, mapCoordinates(e, w));
+}
+
+EnvironmentLookup lookup(const Environment &e, const Vec3 &w) {
+    if (e.constant) return {e.texels[0], kUniformPdf};
     const Vec2 uv = mapCoordinates(e, w);
-    const int column = std::clamp(static_cast<int>(uv.x * static_cast<float>(e.width)), 0, e.width - 1);
-    const int row = std::clamp(static_cast<int>(uv.y * static_cast<float>(e.height)), 0, e.height - 1);
-    return densityOfTexel(e, column, row);
+    return {bilinear(e, uv), densityAt(e, uv)};
 }
 
 EnvironmentSample sample(const Environment &e, const Vec2 &u) {
-    const auto directionAt = [](float z, float azimuth) {
-        const float r = std::sqrt(std::max(0.0F, (1 - z) * (1 + z)));
-        return Vec3(r * std::cos(azimuth), r * std::sin(azimuth), z);
-    };
-    if (e.constant) return {directionAt(1 - 2 * u.y, 2 * kPi * u.x), e.texels[0], kUniformPdf};
-    const Drawn row = draw(e.table.data(), e.height, u.y);
-    const Drawn column = draw(columnsOfRow(e, row.index), e.width, u.x);
-    const double upper = cosAtRow(row.index, e.height);
-    const double lower = cosAtRow(row.index + 1, e.height);
-    const float z = static_cast<float>(glm::mix(upper, lower, static_cast<double>(row.remainder)));
+    if (e.constant) {
+        const float z = 1 - 2 * u.y;
+        return {Vec3(std::sqrt(std::max(0.0F, (1 - z) * (1 + z))) * unitCircle(u.x), z), e.texels[0], kUniformPdf};
+    }
+    const Drawn row = draw(e.table.data(), e.guide.data(), e.height, u.y);
+    const Drawn column = draw(columnsOfRow(e, row.index), guideOfRow(e, row.index), e.width, u.x);
+    const double height = glm::mix(e.rowHeight[static_cast<std::size_t>(row.index)], e.rowHeight[static_cast<std::size_t>(row.index) + 1],
+                                   static_cast<double>(row.remainder));
+    const float r = static_cast<float>(std::sqrt(height * (2 - height)));
+    const auto z = static_cast<float>(1 - height);
     const float across = (static_cast<float>(column.index) + column.remainder) / static_cast<float>(e.width);
-    const Vec3 direction = directionAt(z, static_cast<float>(e.rotation) + 2 * kPi * (0.5F - across));
-    return {direction, radiance(e, direction), densityOfTexel(e, column.index, row.index)};
+    const float turns = static_cast<float>(e.rotation) / (2 * kPi) + 0.5F - across;
+    const Vec3 direction(r * unitCircle(turns - std::floor(turns)), z);
+    return {direction, bilinear(e, {across, 2 * turnsOf(z, r)}), densityOfTexel(e, column.index, row.index)};
 }
 
 } // namespace taut

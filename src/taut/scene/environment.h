@@ -26,10 +26,12 @@ struct Environment {
     /// Importance sampling, filled by buildSampling(): inverse cumulative tables by luminance * solid angle, one over the rows and
     /// one over the columns within each row. They keep stratified points stratified, where an alias table would scatter them.
     struct TableEntry {
-        double cumulative = 0; ///< up to and including this entry; the last is 1
-        float density = 0;     ///< rows: P(row) / solid angle of one texel there, 1/sr; columns: P(column | row)
+        float cumulative = 0; ///< up to and including this entry; the last is 1
+        float density = 0;    ///< rows: P(row) / solid angle of one texel there, 1/sr; columns: P(column | row); of the rounded sums
     };
     std::vector<TableEntry> table; ///< [height] rows, then [height][width] columns; empty where constant
+    std::vector<Index> guide;      ///< for each of the table's entries: where the search of numbers in its place's share begins
+    std::vector<double> rowHeight; ///< [height + 1]: 1 - cos(theta) at the upper edge of each row, and 2
 };
 
 struct EnvironmentSample {
@@ -58,6 +60,13 @@ Vec3 radiance(const Environment &environment, const Vec3 &w);
 
 /// Solid-angle density with which sample() returns `w`.
 float samplePdf(const Environment &environment, const Vec3 &w);
+
+/// Both of them.
+struct EnvironmentLookup {
+    Vec3 radiance;
+    float pdf;
+};
+EnvironmentLookup lookup(const Environment &environment, const Vec3 &w);
 
 EnvironmentSample sample(const Environment &environment, const Vec2 &u);
 

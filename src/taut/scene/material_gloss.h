@@ -41,6 +41,13 @@ inline RestRoughness restRoughness(const Material &material, const Scene &scene,
     return r;
 }
 
+/// Unit direction of the rest material's x axis in a frame: the tangent turned by the material's rotation (cosine, sine), to the side of
+/// b0 that `sense` says.
+inline Vec2 restAxis(const Vec2 &tangent, float cosine, float sine, float sense) {
+    const float s = sine * sense;
+    return {tangent.x * cosine - tangent.y * s, tangent.x * s + tangent.y * cosine};
+}
+
 /// M = A M0 / lambda in an orthonormal frame (s, t, n). `stretch` is V there (ss, st, tt), `tangent` the rotated rest tangent R t0
 /// there (unit), `sense` +1 where the rest frame's b0 lies at cross(n, t0), -1 where the UV map is mirrored. With A = V R, R taking t0 to
 /// `tangent` and b0 to its `sense` side, and because a mirror image of the standard microsurface is itself, M = V Rotation(tangent)
@@ -55,9 +62,7 @@ inline MicroTransform transformAt(const Material &material, const Scene &scene, 
     if (rest.alphaX == rest.alphaY) {
         axis = {1, 0}; // any will do; this one leaves the bits alone
     } else if (rest.rotation != 0) {
-        const float c = std::cos(rest.rotation);
-        const float s = std::sin(rest.rotation) * sense;
-        axis = {tangent.x * c - tangent.y * s, tangent.x * s + tangent.y * c};
+        axis = restAxis(tangent, std::cos(rest.rotation), std::sin(rest.rotation), sense);
     }
     return deformedTransform(Block{stretch.x, stretch.y, stretch.y, stretch.z}, restBlock(rest.alphaX, rest.alphaY, axis), lambda,
                              lean != nullptr ? *lean : Vec2(0));

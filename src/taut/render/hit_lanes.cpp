@@ -1,0 +1,303 @@
+#include "taut/render/hit_lanes.h"
+
+#include "taut/base/sobol.h"
+#include "taut/bsdf/bsdf.h"
+#include "taut/scene/material_gloss.h"
+
+namespace taut {
+
+namespace {
+
+#define TAUT_INLINE [[gnu::always_inline]] inline
+
+TAUT_INLINE void geometryLoop(HitLanes &l) {
+    const int count = l.padded();
+#pragma GCC ivdep
+    for (int i = 0; i < count; ++i) {
+        InterpolatedSurface p;
+        p.position = l.position.at(i);
+        p.e1 = l.e1.at(i);
+        p.e2 = l.e2.at(i);
+        p.normal = l.normal.at(i);
+        p.tangent = Vec4(l.tangent.at(i), l.tangentSense[i]);
+        p.corners = l.corners[i];
+        p.hand = l.hand[i];
+        const SurfaceGeometry g = surfaceGeometry(p, l.wo.at(i));
+        l.geometricNormal.set(i, g.geometricNormal);
+        l.s.set(i, g.s);
+        l.t.set(i, g.t);
+        l.n.set(i, g.n);
+        const Vec3 wo = l.wo.at(i);
+        l.woLocal.set(i, {glm::dot(wo, g.s), glm::dot(wo, g.t), glm::dot(wo, g.n)});
+        l.clearance[i] = g.clearance;
+        l.tangentX[i] = g.tangent.x;
+        l.tangentY[i] = g.tangent.y;
+        l.sense[i] = g.sense;
+        const SymmetricTensor v{l.diagonal.at(i), l.offDiagonal.at(i)};
+        const Vec3 seen = seenIn(v, g.s, g.t);
+        const bool deforms = l.deforms[i] != 0;
+        l.stretch.set(i, {deforms ? seen.x : 1.0F, deforms ? seen.y : 0.0F, deforms ? seen.z : 1.0F});
+    }
+}
+
+/// The 2x2 block of M before it is brought to triangular form.
+TAUT_INLINE BasicBlock<double> blockOf(const HitLanes &l, std::size_t i, const PlainMaterial &m) {
+    const bool isotropic = m.alphaX == m.alphaY;
+    const Vec2 turned = restAxis({l.tangentX[i], l.tangentY[i]}, m.cosine, m.sine, l.sense[i]);
+    const BasicBlock<double> rest = restBlock(m.alphaX, m.alphaY, Vec2(isotropic ? 1.0F : turned.x, isotropic ? 0.0F : turned.y));
+    const Vec3 v = l.stretch.at(i);
+    return {v.x * rest.a + v.y * rest.c, v.x * rest.b + v.y * rest.d, v.y * rest.a + v.z * rest.c, v.y * rest.b + v.z * rest.d};
+}
+
+TAUT_INLINE void setMicro(HitLanes &l, std::size_t i, const MicroTransform &m) {
+    l.a[i] = m.a;
+    l.b[i] = m.b;
+    l.d[i] = m.d;
+    l.inverseA[i] = m.inverseA;
+    l.inverseD[i] = m.inverseD;
+    l.det[i] = m.det;
+}
+
+TAUT_INLINE void microLoop(HitLanes &l, const PlainMaterial &m) {
+    const int count = l.padded();
+#pragma GCC ivdep
+    for (int i = 0; i < count; ++i) {
+        const BasicBlock<double> block = blockOf(l, i, m);
+        const TriangularForm<double> form = triangularForm(block.a, block.b, block.c, block.d);
+        setMicro(l, i, canonicalTransform<float>(form.across, form.along, form.length));
+        l.inRange[i] = form.inRange ? 1 : 0;
+    }
+}
+
+TAUT_INLINE void viewLoop(HitLanes &l) {
+    const int count = l.padded();
+#pragma GCC ivdep
+    for (int i = 0; i < count; ++i) {
+        const MicroTransform m = l.micro(i);
+        const Vec3 wo = l.woLocal.at(i);
+        const float length = ggx::stretchedLength(m, wo);
+        const float area = ggx::visibleArea(m, wo, length);
+        const float k = ggx::capBound(m, wo);
+        l.length[i] = length;
+        l.area[i] = area;
+        l.capBound[i] = k;
+        l.pdfScale[i] = 0.5F / (k < 1 ? k * wo.z + length : area);
+        l.cone[i] = ReflectionSampler::prefersCone(m, wo, kBearableWaste) ? 1 : 0;
+    }
+}
+
+TAUT_INLINE void numbersLoop(HitLanes &l, const EventNumbers &numbers, bool rouletteOn) {
+    const int count = l.padded();
+#pragma GCC ivdep
+    for (int i = 0; i < count; ++i) {
+        const Vec2 light = sobol2(l.sample[i], hash(l.seed[i], numbers.lightPoint));
+        l.lightU[i] = light.x;
+        l.lightV[i] = light.y;
+        l.lightChoice[i] = sobol1(l.sample[i], hash(l.seed[i], numbers.lightChoice));
+    }
+#pragma GCC ivdep
+    for (int i = 0; i < count; ++i) {
+        const Vec2 scattered = sobol2(l.sample[i], hash(l.seed[i], numbers.scatterDirection));
+        l.scatterU[i] = scattered.x;
+        l.scatterV[i] = scattered.y;
+        l.coin[i] = sobol1(l.sample[i], hash(l.seed[i], numbers.scatterLobe));
+    }
+    if (!rouletteOn) {
+        for (int i = 0; i < count; ++i) l.roulette[i] = 0;
+        return;
+    }
+#pragma GCC ivdep
+    for (int i = 0; i < count; ++i) l.roulette[i] = sobol1(l.sample[i], hash(l.seed[i], numbers.roulette));
+}
+
+/// fCos and density of the material for wi, local. Below the horizon the density is 0 and fCos means nothing: selecting it would put
+/// square roots behind a branch.
+template <PlainKind kKind, bool kCorrelated>
+TAUT_INLINE BsdfEval evaluateLane(const HitLanes &l, std::size_t i, const PlainMaterial &m, const Vec3 &wi) {
+    if constexpr (kKind == PlainKind::Diffuse) {
+        const float pdf = kInvPi * (wi.z > 0 ? wi.z : 0.0F);
+        return {m.color * pdf, pdf};
+    } else {
+        const LobeView view{l.length[i], l.area[i], l.pdfScale[i], kCorrelated};
+        const BsdfEval e = reflectionLobe(
+            l.micro(i), view, l.woLocal.at(i), wi, [&](float cosine) __attribute__((always_inline)) {
+                if constexpr (kKind == PlainKind::Schlick)
+                    return fresnel::schlick(cosine, m.color);
+                else
+                    return fresnel::conductor(cosine, m.eta, m.k);
+            });
+        // By components: a copy of the whole would keep it in memory, and the loop scalar.
+        return {Vec3(e.fCos.x, e.fCos.y, e.fCos.z), wi.z > 0 ? e.pdf : 0.0F};
+    }
+}
+
+TAUT_INLINE Vec3 toLocal(const HitLanes &l, std::size_t i, const Vec3 &w) {
+    return {glm::dot(w, l.s.at(i)), glm::dot(w, l.t.at(i)), glm::dot(w, l.n.at(i))};
+}
+
+template <PlainKind kKind, bool kCorrelated> TAUT_INLINE void connectLoop(HitLanes &l, const PlainMaterial &material) {
+    const PlainMaterial m = material; // no store can change this one
+    const int count = l.padded();
+#pragma GCC ivdep
+    for (int i = 0; i < count; ++i) {
+        const Vec3 direction = l.lightDirection.at(i);
+        const Vec3 wi = toLocal(l, i, direction);
+        const float side = glm::dot(direction, l.geometricNormal.at(i));
+        const BsdfEval scattered = evaluateLane<kKind, kCorrelated>(l, i, m, wi);
+        const float lightPdf = l.lightPdf[i];
+        const float mis = l.lightWeighted[i] != 0 ? powerHeuristic(lightPdf, scattered.pdf) : 1.0F;
+        const Vec3 contribution = l.throughput.at(i) * scattered.fCos * l.lightRadiance.at(i) * (mis / lightPdf);
+        l.contribution.set(i, contribution);
+        l.shadowOrigin.set(i, l.position.at(i) + l.geometricNormal.at(i) * l.clearance[i]);
+        // Nothing below the shading horizon; nor where shading and geometric normal disagree about the side: no light leaks.
+        const float least = std::min(std::min(lightPdf, side), std::min(scattered.pdf, maxComponent(contribution)));
+        l.connects[i] = least;
+    }
+}
+
+template <PlainKind kKind> TAUT_INLINE void directionLoop(HitLanes &l) {
+    const int count = l.padded();
+#pragma GCC ivdep
+    for (int i = 0; i < count; ++i) {
+        const Vec2 u(l.scatterU[i], l.scatterV[i]);
+        if constexpr (kKind == PlainKind::Diffuse) {
+            l.scatterLocal.set(i, squareToCosineHemisphere(u));
+        } else {
+            const Vec3 wo = l.woLocal.at(i);
+            const Vec3 wm = ggx::sampleVisibleNormal(l.micro(i), wo, u, l.capBound[i]);
+            l.scatterLocal.set(i, (2 * glm::dot(wo, wm) / glm::dot(wm, wm)) * wm - wo);
+        }
+    }
+}
+
+template <PlainKind kKind, bool kCorrelated> TAUT_INLINE void scatterLoop(HitLanes &l, const PlainMaterial &material, bool rouletteOn) {
+    const PlainMaterial m = material;
+    const int count = l.padded();
+#pragma GCC ivdep
+    for (int i = 0; i < count; ++i) {
+        const Vec3 wi = l.scatterLocal.at(i);
+        const BsdfEval e = evaluateLane<kKind, kCorrelated>(l, i, m, wi);
+        const bool sampled = e.pdf > 0;
+        const Vec3 weight = e.fCos * (1 / (sampled ? e.pdf : 1.0F));
+        const Vec3 world = l.s.at(i) * wi.x + l.t.at(i) * wi.y + l.n.at(i) * wi.z;
+        const Vec3 direction = world * (1 / std::sqrt(glm::dot(world, world)));
+        const float side = glm::dot(direction, l.geometricNormal.at(i));
+        Vec3 throughput = l.throughput.at(i) * weight;
+        const float wanted = maxComponent(throughput) * l.etaScale[i];
+        const float survive = !rouletteOn ? 1.0F : wanted < 0.95F ? wanted : 0.95F;
+        throughput *= 1 / (survive > 0 ? survive : 1.0F);
+        l.nextThroughput.set(i, throughput);
+        l.nextDirection.set(i, direction);
+        l.nextOrigin.set(i, l.position.at(i) + l.geometricNormal.at(i) * l.clearance[i]);
+        l.scatterPdf[i] = e.pdf;
+        l.goesOn[i] = std::min(std::min(e.pdf, side), survive - l.roulette[i]);
+    }
+}
+
+/// Calls `loop` with the kind as a constant.
+template <class Loop> TAUT_INLINE void byKind(PlainKind kind, const Loop &loop) {
+    if (kind == PlainKind::Diffuse) return loop(std::integral_constant<PlainKind, PlainKind::Diffuse>());
+    if (kind == PlainKind::Schlick) return loop(std::integral_constant<PlainKind, PlainKind::Schlick>());
+    loop(std::integral_constant<PlainKind, PlainKind::Conductor>());
+}
+
+#define TAUT_LOOPS(NAME, ...)                                                                                                              \
+    struct NAME {                                                                                                                          \
+        [[gnu::flatten __VA_ARGS__]] static void geometry(HitLanes &l) { geometryLoop(l); }                                                \
+        [[gnu::flatten __VA_ARGS__]] static void micro(HitLanes &l, const PlainMaterial &m) { microLoop(l, m); }                           \
+        [[gnu::flatten __VA_ARGS__]] static void view(HitLanes &l) { viewLoop(l); }                                                        \
+        [[gnu::flatten __VA_ARGS__]] static void numbers(HitLanes &l, const EventNumbers &e, bool r) { numbersLoop(l, e, r); }             \
+        template <PlainKind kKind>[[gnu::flatten __VA_ARGS__]] static void connect(HitLanes &l, const PlainMaterial &m) {                  \
+            m.correlated ? connectLoop<kKind, true>(l, m) : connectLoop<kKind, false>(l, m);                                               \
+        }                                                                                                                                  \
+        template <PlainKind kKind>[[gnu::flatten __VA_ARGS__]] static void direction(HitLanes &l) { directionLoop<kKind>(l); }             \
+        template <PlainKind kKind>[[gnu::flatten __VA_ARGS__]] static void scatter(HitLanes &l, const PlainMaterial &m, bool r) {          \
+            m.correlated ? scatterLoop<kKind, true>(l, m, r) : scatterLoop<kKind, false>(l, m, r);                                         \
+        }                                                                                                                                  \
+    };
+TAUT_FOR_INSTRUCTION_SETS(TAUT_LOOPS)
+
+} // namespace
+
+PlainMaterial plainMaterial(const PreparedMaterial &prepared) {
+    PlainMaterial plain;
+    const Material &m = *prepared.material;
+    if (m.color.texture != kNone || m.poisson != 0) return plain;
+    plain.color = m.color.value;
+    if (m.type == MaterialType::Diffuse) {
+        plain.kind = PlainKind::Diffuse;
+        return plain;
+    }
+    const bool textured = m.alphaX.texture != kNone || m.alphaY.texture != kNone || m.rotation.texture != kNone ||
+                          m.anisotropyTexture != kNone || m.anisotropyStrength != 0;
+    const bool single =
+        m.multiscatter == Multiscatter::Off ||
+        (m.multiscatter == Multiscatter::Auto && (m.masking != Masking::Correlated || prepared.multiscatter.model == Multiscatter::Off));
+    if (m.type != MaterialType::Conductor || textured || !single) return plain;
+    const RestRoughness rest = restRoughness(m, Scene{}, Vec2(0));
+    plain.alphaX = rest.alphaX;
+    plain.alphaY = rest.alphaY;
+    if (rest.rotation != 0) {
+        plain.cosine = std::cos(rest.rotation);
+        plain.sine = std::sin(rest.rotation);
+    }
+    plain.correlated = m.masking == Masking::Correlated;
+    plain.kind = m.hasConductorIor ? PlainKind::Conductor : PlainKind::Schlick;
+    plain.eta = m.conductorEta;
+    plain.k = m.conductorK;
+    return plain;
+}
+
+bool isPlain(const RenderObject &object) {
+    const Object &source = *object.object;
+    const bool stretchAsItIs = object.stretchOnFaces() || object.plan.interpolation == GradientInterpolation::Stretch;
+    return source.emission.value == Vec3(0) && !source.lean && object.storedPoisson.empty() && object.steps.size() == 1 &&
+           object.placements.size() <= 1 && stretchAsItIs;
+}
+
+void view(HitLanes &lanes, const PlainMaterial &material, const EventNumbers &numbers, bool rouletteOn, Instructions instructions) {
+    onInstructions(instructions, [&](auto loops) {
+        using Loops = decltype(loops);
+        Loops::geometry(lanes);
+        Loops::numbers(lanes, numbers, rouletteOn);
+        if (material.kind == PlainKind::Diffuse) return;
+        Loops::micro(lanes, material);
+        for (int i = 0; i < lanes.padded(); ++i) {
+            if (lanes.inRange[i] != 0) continue;
+            const BasicBlock<double> block = blockOf(lanes, static_cast<std::size_t>(i), material);
+            setMicro(lanes, static_cast<std::size_t>(i), microTransform(block.a, block.b, block.c, block.d));
+        }
+        Loops::view(lanes);
+        lanes.cones.clear();
+        for (int i = 0; i < lanes.count; ++i) {
+            if (lanes.cone[i] == 0) continue;
+            const auto at = static_cast<std::size_t>(i);
+            lanes.cones.emplace_back(lanes.micro(at), lanes.woLocal.at(at), kBearableWaste);
+            lanes.cone[i] = static_cast<int>(lanes.cones.size());
+            lanes.pdfScale[i] = lanes.cones.back().pdfScale();
+        }
+    });
+}
+
+void connect(HitLanes &lanes, const PlainMaterial &material, Instructions instructions) {
+    onInstructions(instructions, [&](auto loops) {
+        byKind(material.kind, [&](auto kind) { decltype(loops)::template connect<kind()>(lanes, material); });
+    });
+}
+
+void scatter(HitLanes &lanes, const PlainMaterial &material, bool rouletteOn, Instructions instructions) {
+    onInstructions(instructions, [&](auto loops) {
+        using Loops = decltype(loops);
+        byKind(material.kind, [&](auto kind) { Loops::template direction<kind()>(lanes); });
+        if (material.kind != PlainKind::Diffuse)
+            for (int i = 0; i < lanes.count; ++i) {
+                if (lanes.cone[i] == 0) continue;
+                const ReflectionSampler &sampler = lanes.cones[static_cast<std::size_t>(lanes.cone[i] - 1)];
+                const auto wi = sampler.sample({lanes.scatterU[i], lanes.scatterV[i]}, lanes.coin[i]);
+                lanes.scatterLocal.set(static_cast<std::size_t>(i), wi.value_or(Vec3(0, 0, -1)));
+            }
+        byKind(material.kind, [&](auto kind) { Loops::template scatter<kind()>(lanes, material, rouletteOn); });
+    });
+}
+
+} // namespace taut

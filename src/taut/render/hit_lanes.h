@@ -1,0 +1,106 @@
+#pragma once
+/// Shading of many hits at once, structure of arrays: what hits on one plain material need, in loops that the compiler vectorises
+/// (base/instructions.h). The formulas are those of hits one by one, by the same functions, so the bits are the same.
+///
+/// A material is plain where nothing but V and the frame changes from hit to hit: diffuse, or a conductor with single scattering; no
+/// textures, Poisson's ratio 0. A mesh is plain where it does not emit, lean or move while the shutter is open and V is interpolated as
+/// it is. All others go one by one (shading.h).
+///
+/// The order of a batch: gather (integrator.cpp), view(), light samples, connect(), scatter().
+
+#include "taut/base/instructions.h"
+#include "taut/microsurface/reflection_sampler.h"
+#include "taut/render/shading.h"
+
+#include <vector>
+
+namespace taut {
+
+/// Lanes of vectors.
+template <int kSize> struct Lanes3 {
+    float x[kSize], y[kSize], z[kSize];
+    [[nodiscard]] Vec3 at(std::size_t i) const { return {x[i], y[i], z[i]}; }
+    void set(std::size_t i, const Vec3 &v) {
+        x[i] = v.x;
+        y[i] = v.y;
+        z[i] = v.z;
+    }
+};
+
+/// Up to kSize hits on one material. Directions called local are in the shading frame.
+struct alignas(64) HitLanes {
+    static constexpr int kSize = 64;
+    /// Lanes are worked on in whole vectors: the lanes from `count` to the next multiple of this repeat the first.
+    static constexpr int kStep = 16;
+    using Vectors = Lanes3<kSize>;
+
+    int count = 0;
+
+    // Gathered: the surface (surface_geometry.h) and the path.
+    Vectors position, e1, e2, normal, tangent;
+    float tangentSense[kSize], corners[kSize], hand[kSize];
+    Vectors diagonal, offDiagonal; ///< V as SymmetricTensor
+    int deforms[kSize];            ///< 0: V is the identity, whatever those hold
+    Vectors wo;                    ///< render space
+    Vectors throughput;
+    float etaScale[kSize];
+    std::uint32_t sample[kSize], seed[kSize];
+    Index path[kSize];
+
+    // view(): frame, M and the numbers of this event.
+    Vectors geometricNormal, s, t, n, woLocal;
+    float clearance[kSize];
+    Vectors stretch; ///< in the frame: ss, st, tt
+    float tangentX[kSize], tangentY[kSize], sense[kSize];
+    float a[kSize], b[kSize], d[kSize], inverseA[kSize], inverseD[kSize], det[kSize];
+    int inRange[kSize]; ///< whether a, b, d are M's; else singular values are to be clamped
+    float length[kSize], area[kSize], capBound[kSize], pdfScale[kSize];
+    int cone[kSize]; ///< where caps would waste too much: 1 + the lane's entry in `cones`; else 0
+    std::vector<ReflectionSampler> cones;
+    float lightChoice[kSize], lightU[kSize], lightV[kSize], scatterU[kSize], scatterV[kSize], coin[kSize], roulette[kSize];
+
+    // Light samples, render space; pdf 0: none. `weighted` is 0 for lights that no scattered ray can meet.
+    Vectors lightDirection, lightRadiance;
+    float lightPdf[kSize], lightWeighted[kSize];
+
+    // connect(): a shadow ray's start and what it would bring; nothing but where `connects` > 0.
+    Vectors shadowOrigin, contribution;
+    float connects[kSize];
+
+    // scatter(): the next ray; the path ends but where `goesOn` > 0.
+    Vectors scatterLocal, nextOrigin, nextDirection, nextThroughput;
+    float scatterPdf[kSize];
+    float goesOn[kSize];
+
+    /// Lanes that loops run over.
+    [[nodiscard]] int padded() const { return (count + kStep - 1) / kStep * kStep; }
+    [[nodiscard]] MicroTransform micro(std::size_t i) const { return {a[i], b[i], d[i], 0, 0, inverseA[i], inverseD[i], det[i]}; }
+};
+
+enum class PlainKind : std::uint8_t { None, Diffuse, Schlick, Conductor };
+
+/// A plain material as loops take it.
+struct PlainMaterial {
+    PlainKind kind = PlainKind::None;
+    float alphaX = 1, alphaY = 1;
+    float cosine = 1, sine = 0; ///< of the rest rotation
+    bool correlated = true;
+    Vec3 color{1}; ///< albedo or F0
+    Vec3 eta{1}, k{0};
+};
+PlainMaterial plainMaterial(const PreparedMaterial &prepared);
+/// Whether hits on a mesh may be shaded at once.
+bool isPlain(const RenderObject &object);
+
+/// Numbers of the sample sequence that an event draws, by dimension.
+struct EventNumbers {
+    std::uint32_t scatterDirection, scatterLobe, lightPoint, lightChoice, roulette;
+};
+
+/// Fills what follows the gathered part, for event number `numbers`. `rouletteOn`: whether scatter() will play it.
+void view(HitLanes &lanes, const PlainMaterial &material, const EventNumbers &numbers, bool rouletteOn,
+          Instructions instructions = widest());
+void connect(HitLanes &lanes, const PlainMaterial &material, Instructions instructions = widest());
+void scatter(HitLanes &lanes, const PlainMaterial &material, bool rouletteOn, Instructions instructions = widest());
+
+} // namespace taut
