@@ -64,7 +64,7 @@ TEST_CASE("The README's scene and commands run as they are printed", "[readme]")
 
 TEST_CASE("Every link in the documentation leads to a file", "[readme]") {
     const fs::path source = TAUT_SOURCE_DIR;
-    for (const char *name : {"README.md", "docs/design.md", "docs/scene.md", "docs/reflection_sampling.md", "docs/multiple_scattering.md", "docs/probe.md", "meshes/README.md"}) {
+    for (const char *name : {"README.md", "docs/design.md", "docs/scene.md", "docs/reflection_sampling.md", "docs/multiple_scattering.md", "docs/probe.md", "docs/benchmark.md", "meshes/README.md"}) {
         const fs::path file = source / name;
         REQUIRE(fs::exists(file));
         const std::string text = readAll(file);
