@@ -59,12 +59,15 @@ TEST_CASE("The README's scene and commands run as they are printed", "[readme]")
         }
     }
     CHECK(commands >= 6);
-    for (const char *file : {"out/first.0001.png", "out/first.0024.png", "out/fixed.png", "out/first.exr", "out/body.png"}) CHECK(fs::exists(folder / file));
+    for (const char *file : {"out/first.0001.png", "out/first.0024.png", "out/fixed.png", "out/first.exr", "out/body.png"})
+        CHECK(fs::exists(folder / file));
 }
 
 TEST_CASE("Every link in the documentation leads to a file", "[readme]") {
     const fs::path source = TAUT_SOURCE_DIR;
-    for (const char *name : {"README.md", "docs/design.md", "docs/scene.md", "docs/reflection_sampling.md", "docs/multiple_scattering.md", "docs/probe.md", "docs/charts.md", "docs/stability.md", "docs/precision.md", "meshes/README.md"}) {
+    for (const char *name :
+         {"README.md", "docs/design.md", "docs/scene.md", "docs/reflection_sampling.md", "docs/multiple_scattering.md", "docs/probe.md",
+          "docs/benchmark.md", "docs/charts.md", "docs/stability.md", "docs/precision.md", "meshes/README.md"}) {
         const fs::path file = source / name;
         REQUIRE(fs::exists(file));
         const std::string text = readAll(file);

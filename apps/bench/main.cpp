@@ -1,11 +1,11 @@
-/// taut_bench: samples and rays per second of the renderer, beside the same rays replayed through bare Embree calls in the same
-/// run, and where the time goes. Prints a table; --output writes it as JSON.
+/// taut_bench: samples and rays per second of the renderer, beside the same rays replayed through bare Embree calls and, where it
+/// is asked for, Cycles on the same scenes; where the time goes; and time to equal error. Prints tables; --output writes JSON.
+
+#include "cycles_peer.h"
+#include "measure.h"
 
 #include "taut/base/error.h"
-#include "taut/mesh/shapes.h"
 #include "taut/render/image_file.h"
-#include "taut/render/render_frame.h"
-#include "taut/render/replay.h"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -13,167 +13,19 @@
 #include <tbb/global_control.h>
 #include <tbb/info.h>
 
-#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <functional>
+#include <algorithm>
 #include <iostream>
-#include <memory>
 
 namespace {
 
 using namespace taut;
-
-/// A scene by name; made where it is measured, in a process of its own.
-struct BenchScene {
-    std::string name;
-    std::function<Scene()> make;
-};
-
-Object objectOf(Mesh mesh, Index material) {
-    Object object;
-    object.name = mesh.name;
-    object.mesh = std::make_shared<const Mesh>(std::move(mesh));
-    object.materials = {material};
-    return object;
-}
-
-Material brushed() {
-    Material material;
-    material.name = "brushed";
-    material.type = MaterialType::Conductor;
-    material.alphaX.value = 0.08F;
-    material.alphaY.value = 0.4F;
-    material.multiscatter = Multiscatter::Off; // as the peers are measured
-    return material;
-}
-
-/// A torus over a ground of radius 10; `triangles` of the torus about 2 x around x across.
-Scene torusScene(int around, int across, bool ground, int maxEvents) {
-    Scene scene;
-    scene.render.width = 512;
-    scene.render.height = 512;
-    scene.render.maxEvents = maxEvents;
-    scene.render.boxFilter = true;
-    scene.materials = {brushed(), Material{}};
-    scene.materials[1].name = "ground";
-    scene.materials[1].color.value = Vec3(0.5F);
-    scene.objects.push_back(objectOf(makeTorus(around, across, 1, 0.4F), 0));
-    if (ground) {
-        scene.objects.push_back(objectOf(makeGrid(1, 1, 20), 1));
-        scene.objects.back().placement.translation = DVec3(0, 0, -0.4);
-    }
-    scene.camera.position = DVec3(0, -2.6, 1.8);
-    scene.camera.lookAt = DVec3(0);
-    return scene;
-}
-
-constexpr int kAround = 632;
-constexpr int kAcross = 158; // 199,712 triangles
-
-Light areaLight() {
-    Light quad; // facing down
-    quad.corner = DVec3(1, -1, 3);
-    quad.u = DVec3(-2, 0, 0);
-    quad.v = DVec3(0, 2, 0);
-    quad.radiance = Vec3(10);
-    return quad;
-}
-
-Scene withEnvironment(Scene scene, Environment environment) {
-    scene.environment = std::move(environment);
-    return scene;
-}
-
-Scene areaScene() {
-    Scene scene = torusScene(kAround, kAcross, true, 6);
-    scene.lights = {areaLight()};
-    return scene;
-}
-
-Scene deformingScene() {
-    Scene scene = areaScene();
-    DeformerKeys shear;
-    shear.type = DeformerType::Shear;
-    shear.axis = 0;
-    shear.axis2 = 2;
-    shear.amount.keys = {{1, 0.0}, {8, 0.8}};
-    scene.objects[0].deformers = {shear};
-    scene.render.frames = {1, 2, 3, 4, 5, 6, 7, 8};
-    return scene;
-}
-
-std::vector<BenchScene> benchScenes() {
-    return {{"furnace", [] { return withEnvironment(torusScene(kAround, kAcross, false, 8), constantEnvironment(Vec3(1))); }},
-            {"area light", areaScene},
-            {"sky", [] { return withEnvironment(torusScene(kAround, kAcross, true, 8), constantEnvironment(Vec3(1))); }},
-            {"studio environment", [] { return withEnvironment(torusScene(kAround, kAcross, true, 8), studioEnvironment()); }},
-            {"deforming 200k", deformingScene}};
-}
-
-double peakMegabytes() {
-    rusage usage{};
-    getrusage(RUSAGE_SELF, &usage);
-    return static_cast<double>(usage.ru_maxrss) / 1024;
-}
-
-/// Renders the scene's frames; the record, if any, gets the rays of the last frame.
-nlohmann::json measure(const BenchScene &bench, int spp, int recordSpp) {
-    const Scene scene = bench.make();
-    RenderScene ready(scene, scene.render.frames.size() > 1);
-    StageTimes stages;
-    RayCounts counts;
-    double traced = 0;
-    for (const int frame : scene.render.frames) {
-        ready.setFrame(frame, stages);
-        FrameOptions options;
-        options.spp = spp;
-        options.seed = frameSeed(0, frame, false);
-        const FrameResult result = renderFrame(ready, options);
-        stages += result.times;
-        counts += result.counts;
-        traced += result.seconds;
-    }
-    const double peak = peakMegabytes(); // before rays are recorded
-    // The same rays, recorded by one thread (recording is not part of any time above) and replayed by all.
-    RayRecord record;
-    RayCounts recorded;
-    {
-        const tbb::global_control oneThread(tbb::global_control::max_allowed_parallelism, 1);
-        FrameOptions options;
-        options.spp = recordSpp;
-        options.seed = frameSeed(0, scene.render.frames.back(), false);
-        options.record = &record;
-        recorded = renderFrame(ready, options).counts;
-    }
-    const ReplayTimes replay = replayRays(ready.embree(), record, 3);
-    const double raysPerSecond = static_cast<double>(counts.rays()) / traced;
-    const double embreeRaysPerSecond = static_cast<double>(recorded.rays()) / replay.total();
-    const double frameTotal = stages.deformation + stages.gradient + stages.bvh + traced;
-    const double inThreads = stages.cameraRays + stages.scatteredRays + stages.shadowRays + stages.shading + stages.film;
-    const double perThread = inThreads > 0 ? traced / inThreads : 0; // thread seconds to wall clock
-    return {{"name", bench.name},
-            {"frames", scene.render.frames.size()},
-            {"spp", spp},
-            {"samples_per_s", static_cast<double>(counts.paths) / traced},
-            {"rays_per_s", raysPerSecond},
-            {"rays_per_sample", static_cast<double>(counts.rays()) / static_cast<double>(counts.paths)},
-            {"embree_rays_per_s", embreeRaysPerSecond},
-            {"ratio_to_embree", raysPerSecond / embreeRaysPerSecond},
-            {"share",
-             {{"deformation", stages.deformation / frameTotal},
-              {"gradient", stages.gradient / frameTotal},
-              {"bvh", stages.bvh / frameTotal},
-              {"traversal", (stages.cameraRays + stages.scatteredRays + stages.shadowRays) * perThread / frameTotal},
-              {"shading", stages.shading * perThread / frameTotal},
-              {"film", stages.film * perThread / frameTotal}}},
-            {"seconds_per_frame", frameTotal / static_cast<double>(scene.render.frames.size())},
-            {"peak_mb", peak}};
-}
+using namespace taut::bench;
 
 /// Measures in a process of its own, so that the peak memory is this scene's. The parent must not have started threads.
-nlohmann::json measureApart(const BenchScene &bench, int spp, int recordSpp, int threads) {
+nlohmann::json measureApart(const BenchScene &bench, const MeasureOptions &options) {
     int channel[2];
     if (pipe(channel) != 0) throw RunError("can't make a pipe");
     const pid_t child = fork();
@@ -182,11 +34,8 @@ nlohmann::json measureApart(const BenchScene &bench, int spp, int recordSpp, int
         close(channel[0]);
         int code = 0;
         try {
-            std::unique_ptr<tbb::global_control> limit;
-            if (threads > 0)
-                limit =
-                    std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
-            const std::string text = measure(bench, spp, recordSpp).dump();
+            const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(options.threads));
+            const std::string text = measure(bench, options).dump();
             if (write(channel[1], text.data(), text.size()) != static_cast<ssize_t>(text.size())) code = 1;
         } catch (const std::exception &error) {
             std::cerr << "taut_bench: error: " << bench.name << ": " << error.what() << std::endl;
@@ -205,43 +54,100 @@ nlohmann::json measureApart(const BenchScene &bench, int spp, int recordSpp, int
     return nlohmann::json::parse(text);
 }
 
-void printTable(const nlohmann::json &scenes) {
-    fmt::print("{:<20}{:>10}{:>9}{:>9}{:>8} |{:>7}{:>7}{:>6}{:>7}{:>7}{:>6} |{:>8}\n", "scene", "Mpaths/s", "Mrays/s", "Embree", "ratio",
-               "deform", "grad", "bvh", "trav", "shade", "film", "peak MB");
+std::string number(const nlohmann::json &value, int digits) {
+    return value.is_number() ? fmt::format("{:.{}f}", value.get<double>(), digits) : "-";
+}
+
+/// The median and its quartiles.
+std::string ratio(const nlohmann::json &scene, const char *name) {
+    if (!scene[name].is_number()) return "-";
+    const nlohmann::json &spread = scene["spread"][name];
+    return fmt::format("{:.2f} ({:.2f}-{:.2f})", scene[name].get<double>(), spread[0].get<double>(), spread[2].get<double>());
+}
+
+double millions(const nlohmann::json &scene, const char *name) {
+    return 1e-6 * scene[name].get<double>();
+}
+
+void printHeader() {
+    fmt::print("{:<16} {:>8} {:>7} {:>7} {:>17} {:>17} {:>7} {:>7} |{:>6} {:>5} {:>5} {:>5} {:>5} {:>5}\n", "scene", "Msampl/s", "Mrays/s",
+               "Embree", "ratio (quartiles)", "to Cycles", "peak MB", "Cycles", "deform", "grad", "bvh", "trav", "shade", "film");
+    std::fflush(stdout);
+}
+
+void printRow(const nlohmann::json &s) {
+    const auto share = [&](const char *name) { return 100 * s["share"][name].get<double>(); };
+    fmt::print(
+        "{:<16} {:>8.3f} {:>7.2f} {:>7.2f} {:>17} {:>17} {:>7.0f} {:>7} |{:>5.1f}% {:>4.1f}% {:>4.1f}% {:>4.0f}% {:>4.0f}% {:>4.1f}%\n",
+        s["name"].get<std::string>(), millions(s, "samples_per_s"), millions(s, "rays_per_s"), millions(s, "embree_rays_per_s"),
+        ratio(s, "ratio_to_embree"), ratio(s, "ratio_to_cycles"), s["peak_mb"].get<double>(), number(s["cycles_peak_mb"], 0),
+        share("deformation"), share("gradient"), share("bvh"), share("traversal"), share("shading"), share("film"));
+    std::fflush(stdout);
+}
+
+void printEqualError(const nlohmann::json &scenes) {
+    fmt::print("\n{:<16} {:>10} {:>10} {:>11} {:>9} {:>10} {:>10} {:>6}   {}\n", "equal error", "Cycles spp", "MSE", "Cycles s", "our spp",
+               "our s", "time ratio", "", "images: ratio of means, RMS difference (relative)");
     for (const auto &s : scenes) {
-        const auto share = [&](const char *name) { return 100 * s["share"][name].get<double>(); };
-        fmt::print("{:<20}{:>10.3f}{:>9.2f}{:>9.2f}{:>8.2f} |{:>6.1f}%{:>6.1f}%{:>5.1f}%{:>6.1f}%{:>6.1f}%{:>5.1f}% |{:>8.0f}\n",
-                   s["name"].get<std::string>(), s["samples_per_s"].get<double>() * 1e-6, s["rays_per_s"].get<double>() * 1e-6,
-                   s["embree_rays_per_s"].get<double>() * 1e-6, s["ratio_to_embree"].get<double>(), share("deformation"), share("gradient"),
-                   share("bvh"), share("traversal"), share("shading"), share("film"), s["peak_mb"].get<double>());
+        if (!s.contains("equal_error")) continue;
+        std::string images =
+            fmt::format("{:.4f}, {:.4f}", s["images"]["mean_ratio"].get<double>(), s["images"]["relative_difference"].get<double>());
+        for (const auto &e : s["equal_error"]) {
+            fmt::print("{:<16} {:>10.0f} {:>10.2e} {:>11.2f} {:>9.1f} {:>10.2f} {:>10.2f} {:>6}   {}\n", s["name"].get<std::string>(),
+                       e["cycles_spp"].get<double>(), e["mse"].get<double>(), e["cycles_seconds"].get<double>(), e["our_spp"].get<double>(),
+                       e["our_seconds"].get<double>(), e["time_ratio"].get<double>(), "", images);
+            images.clear();
+        }
     }
 }
 
 } // namespace
 
 int main(int argc, char **argv) {
-    CLI::App app("Measures the renderer against bare Embree calls for the same rays.", "taut_bench");
+    CLI::App app("Measures the renderer beside bare Embree calls for the same rays and beside Cycles.", "taut_bench");
     std::string output;
     std::vector<std::string> only;
-    int spp = 16;
-    int recordSpp = 4;
-    int threads = 0;
-    app.add_option("--output", output, "Write the table as JSON");
+    MeasureOptions options;
+    options.threads = tbb::info::default_concurrency();
+    bool quick = false;
+    app.add_option("--output", output, "Write what was measured as JSON");
     app.add_option("--scene", only, "Only these scenes");
-    app.add_option("--spp", spp, "Samples per pixel of the timed render")->check(CLI::Range(1, 4096));
-    app.add_option("--record-spp", recordSpp, "Samples per pixel recorded for the replay")->check(CLI::Range(1, 64));
-    app.add_option("-t,--threads", threads, "Threads (default: all)")->check(CLI::Range(1, 1024));
+    app.add_option("--spp", options.spp, "Samples per pixel of a timed frame")->check(CLI::Range(1, 4096));
+    app.add_option("--record-spp", options.recordSpp, "Samples per pixel recorded for the replay")->check(CLI::Range(1, 64));
+    app.add_option("--rounds", options.rounds, "Rounds in which all take turns")->check(CLI::Range(1, 99));
+    app.add_option("-t,--threads", options.threads, "Threads (default: all)")->check(CLI::Range(1, 1024));
+    app.add_flag("--cycles", options.cycles, "Measure Cycles as well, where blender is on the PATH");
+    app.add_flag("--equal-error", options.equalError,
+                 "With --cycles: errors at 16, 64 and 256 samples per pixel, and times to equal error");
+    app.add_option("--error-size", options.errorSize, "Width and height of the images whose error is measured")
+        ->check(CLI::Range(16, 4096));
+    app.add_flag("--quick", quick, "One round of 4 samples per pixel");
     CLI11_PARSE(app, argc, argv);
     try {
+        if (quick) {
+            options.rounds = 1;
+            options.spp = 4;
+        }
+        if (options.cycles && !hasBlender()) {
+            std::cerr << "taut_bench: blender is not on the PATH: Cycles is left out" << std::endl;
+            options.cycles = false;
+        }
+        std::vector<std::string_view> names;
+        for (const BenchScene &bench : benchScenes()) names.push_back(bench.name);
+        for (const std::string &name : only)
+            if (std::find(names.begin(), names.end(), name) == names.end()) failUnknownName({"--scene"}, name, names);
         nlohmann::json scenes = nlohmann::json::array();
-        for (const BenchScene &bench : benchScenes())
-            if (only.empty() || std::find(only.begin(), only.end(), bench.name) != only.end())
-                scenes.push_back(measureApart(bench, spp, recordSpp, threads));
-        printTable(scenes);
-        if (!output.empty())
-            writeTextFile(
-                output,
-                nlohmann::json{{"threads", threads > 0 ? threads : tbb::info::default_concurrency()}, {"scenes", scenes}}.dump(2) + "\n");
+        printHeader();
+        for (const BenchScene &bench : benchScenes()) {
+            if (!only.empty() && std::find(only.begin(), only.end(), bench.name) == only.end()) continue;
+            scenes.push_back(measureApart(bench, options));
+            printRow(scenes.back());
+        }
+        if (options.cycles && options.equalError) printEqualError(scenes);
+        if (!output.empty()) writeTextFile(output, nlohmann::json{{"threads", options.threads}, {"scenes", scenes}}.dump(2) + "\n");
+    } catch (const InputError &error) {
+        std::cerr << "taut_bench: error: " << error.what() << std::endl;
+        return 2;
     } catch (const std::exception &error) {
         std::cerr << "taut_bench: error: " << error.what() << std::endl;
         return 1;

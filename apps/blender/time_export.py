@@ -22,7 +22,7 @@ def main():
     with open(words[0], "rb") as stream:
         description = tomllib.load(stream)
     frame, rounds, folder = int(words[1]), int(words[3]), os.path.abspath(words[4])
-    render_export.build(description, frame, words[5:])
+    render_export.build(description, frame, 1, words[5:])
     scene = bpy.context.scene
     for turn in range(-1, rounds):
         for spp in [int(word) for word in words[2].split(",")] if turn >= 0 else [1]:

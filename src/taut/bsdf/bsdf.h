@@ -23,15 +23,9 @@ inline float coatEscape(float eta) {
     return (1 - fresnel::diffuseReflectance(eta)) / (eta * eta);
 }
 
-/// Share of samples that may be lost to the horizon before the sampler that loses none is worth its preparation.
-inline constexpr float kBearableWaste = 0.1F;
-
 /// A Bsdf seen from one direction: what evaluation and sampling share, computed once a hit.
 class ScatteringPoint {
   public:
-    /// Share of samples that may be lost to the horizon before the sampler that loses none is worth its preparation.
-    static constexpr float kBearableWaste = 0.1F;
-
     ScatteringPoint(const Bsdf &bsdf, const Vec3 &wo) : bsdf_(bsdf), wo_(wo) {
         if (bsdf.type == BsdfType::Diffuse) return;
         length_ = ggx::stretchedLength(bsdf.micro, wo);

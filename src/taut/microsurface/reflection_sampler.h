@@ -25,7 +25,7 @@ class ReflectionSampler {
     /// Bounded caps are prepared sooner than the cone, which pays off where they reject more than `bearableWaste` of the samples seen
     /// from the normal (capWaste); 0: the cone wherever it can be had.
     ReflectionSampler(const MicroTransform &m, const Vec3 &wo, float bearableWaste = 0) : m_(m), wo_(wo) {
-        if (bearableWaste <= 0 ? canSampleCone(m, wo) : prefersCone(m, wo, bearableWaste)) prepareCone();
+        if (prefersCone(m, wo, bearableWaste)) prepareCone();
         if (!cone_) prepareCap();
     }
 
@@ -36,9 +36,9 @@ class ReflectionSampler {
         const float all = sqr(1 - share) * (1 + sigma.xx + sigma.yy + sigma.determinant);
         return (all > 1) & (all > sqr(1 + std::min(sigma.smaller(), 1.0F)));
     }
-    /// Whether a sampler made with this `bearableWaste` > 0 will try the cone.
+    /// Whether a sampler made with this `bearableWaste` will try the cone.
     static bool prefersCone(const MicroTransform &m, const Vec3 &wo, float bearableWaste) {
-        return canSampleCone(m, wo) & capsWaste(m, bearableWaste);
+        return canSampleCone(m, wo) & ((bearableWaste <= 0) | capsWaste(m, bearableWaste));
     }
 
     /// wi with density pdf(wi), or nothing where the sampled normal reflects below the horizon. u and coin are uniform in [0, 1).

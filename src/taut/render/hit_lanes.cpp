@@ -69,7 +69,7 @@ TAUT_INLINE void microLoop(HitLanes &l, const PlainMaterial &m) {
     }
 }
 
-TAUT_INLINE void viewLoop(HitLanes &l) {
+TAUT_INLINE void viewLoop(HitLanes &l, float bearableWaste) {
     const int count = l.padded();
 #pragma GCC ivdep
     for (int i = 0; i < count; ++i) {
@@ -82,7 +82,7 @@ TAUT_INLINE void viewLoop(HitLanes &l) {
         l.area[i] = area;
         l.capBound[i] = k;
         l.pdfScale[i] = 0.5F / (k < 1 ? k * wo.z + length : area);
-        l.cone[i] = ReflectionSampler::prefersCone(m, wo, kBearableWaste) ? 1 : 0;
+        l.cone[i] = ReflectionSampler::prefersCone(m, wo, bearableWaste) ? 1 : 0;
     }
 }
 
@@ -205,7 +205,7 @@ template <class Loop> TAUT_INLINE void byKind(PlainKind kind, const Loop &loop) 
     struct NAME {                                                                                                                          \
         [[gnu::flatten __VA_ARGS__]] static void geometry(HitLanes &l) { geometryLoop(l); }                                                \
         [[gnu::flatten __VA_ARGS__]] static void micro(HitLanes &l, const PlainMaterial &m) { microLoop(l, m); }                           \
-        [[gnu::flatten __VA_ARGS__]] static void view(HitLanes &l) { viewLoop(l); }                                                        \
+        [[gnu::flatten __VA_ARGS__]] static void view(HitLanes &l, float waste) { viewLoop(l, waste); }                                    \
         [[gnu::flatten __VA_ARGS__]] static void numbers(HitLanes &l, const EventNumbers &e, bool r) { numbersLoop(l, e, r); }             \
         template <PlainKind kKind>[[gnu::flatten __VA_ARGS__]] static void connect(HitLanes &l, const PlainMaterial &m) {                  \
             m.correlated ? connectLoop<kKind, true>(l, m) : connectLoop<kKind, false>(l, m);                                               \
@@ -241,6 +241,7 @@ PlainMaterial plainMaterial(const PreparedMaterial &prepared) {
         plain.cosine = std::cos(rest.rotation);
         plain.sine = std::sin(rest.rotation);
     }
+    plain.bearableWaste = prepared.bearableWaste;
     plain.correlated = m.masking == Masking::Correlated;
     plain.kind = m.hasConductorIor ? PlainKind::Conductor : PlainKind::Schlick;
     plain.eta = m.conductorEta;
@@ -267,12 +268,12 @@ void view(HitLanes &lanes, const PlainMaterial &material, const EventNumbers &nu
             const BasicBlock<double> block = blockOf(lanes, static_cast<std::size_t>(i), material);
             setMicro(lanes, static_cast<std::size_t>(i), microTransform(block.a, block.b, block.c, block.d));
         }
-        Loops::view(lanes);
+        Loops::view(lanes, material.bearableWaste);
         lanes.cones.clear();
         for (int i = 0; i < lanes.count; ++i) {
             if (lanes.cone[i] == 0) continue;
             const auto at = static_cast<std::size_t>(i);
-            lanes.cones.emplace_back(lanes.micro(at), lanes.woLocal.at(at), kBearableWaste);
+            lanes.cones.emplace_back(lanes.micro(at), lanes.woLocal.at(at), material.bearableWaste);
             lanes.cone[i] = static_cast<int>(lanes.cones.size());
             lanes.pdfScale[i] = lanes.cones.back().pdfScale();
         }

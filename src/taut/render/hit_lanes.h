@@ -85,7 +85,8 @@ struct PlainMaterial {
     float alphaX = 1, alphaY = 1;
     float cosine = 1, sine = 0; ///< of the rest rotation
     bool correlated = true;
-    Vec3 color{1}; ///< albedo or F0
+    float bearableWaste = kBearableWaste; ///< Bsdf
+    Vec3 color{1};                        ///< albedo or F0
     Vec3 eta{1}, k{0};
 };
 PlainMaterial plainMaterial(const PreparedMaterial &prepared);

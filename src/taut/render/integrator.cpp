@@ -113,6 +113,7 @@ struct PathTracer::State {
     bool meetLights(Path &path, const Ray &ray, float farthest) const;
     void shade(int event, Index index, const Ray &ray, const Hit &hit, const std::vector<Aov> &wanted, int aovChannels);
     [[nodiscard]] bool waits(int event, std::size_t i, int aovChannels);
+    void prefetch(std::size_t i) const;
     void gather(std::size_t lane, std::size_t i);
     void shadeAtOnce(int event, const PlainMaterial &material, std::span<const Index> chunk);
     void connectLight(int event, Index index, const SurfacePoint &point, const ScatteringPoint &scattering);
@@ -290,8 +291,23 @@ bool PathTracer::State::waits(int event, std::size_t i, int aovChannels) {
     const Index material = own[std::min<std::size_t>(slot, own.size() - 1)];
     if (plainMaterials[material].kind == PlainKind::None) return false;
     if (event == 0) paths[active[i]].alpha = 1;
-    if (event < settings.maxEvents) waiting[material].push_back(static_cast<Index>(i));
+    if (event >= settings.maxEvents) return true;
+    waiting[material].push_back(static_cast<Index>(i));
+    __builtin_prefetch(&object.surface.triangles[hit.primitive]);
     return true;
+}
+
+/// Asks memory for the corners of hit i: they lie anywhere.
+void PathTracer::State::prefetch(std::size_t i) const {
+    const RenderObject &object = scene.objects()[scene.objectOfGeometry(hits[i].geometry)];
+    const SurfaceStep &step = object.steps.front();
+    const Index3 t = object.surface.triangles[hits[i].primitive];
+    for (int k = 0; k < 3; ++k) {
+        __builtin_prefetch(&step.positions[t[k]]);
+        __builtin_prefetch(&step.normals[t[k]]);
+        __builtin_prefetch(&step.tangents[t[k]]);
+        if (step.stretch.size() > 1 && !object.stretchOnFaces()) __builtin_prefetch(&step.stretch[t[k]]);
+    }
 }
 
 /// What lane `lane` needs of hit i.
@@ -349,6 +365,7 @@ void PathTracer::State::shadeAtOnce(int event, const PlainMaterial &material, st
     HitLanes &l = *lanes;
     l.count = static_cast<int>(chunk.size());
     const auto padded = static_cast<std::size_t>(l.padded());
+    for (const Index i : chunk) prefetch(i);
     for (std::size_t k = 0; k < padded; ++k) gather(k, chunk[k < chunk.size() ? k : 0]);
     const bool rouletteOn = event + 1 >= kRouletteStart;
     const EventNumbers numbers{dimensionOf(event, kScatterDirection), dimensionOf(event, kScatterLobe), dimensionOf(event, kLightPoint),

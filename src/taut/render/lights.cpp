@@ -200,8 +200,8 @@ LightHit intersectLight(const LightTable &table, Index index, const Vec3 &origin
         if (!(t > 0 && t < farthest)) return {};
         // Coordinates along u and v, which need not be perpendicular.
         const Vec3 onPlane = direction * t - toCorner;
-        const float a = glm::dot(glm::cross(onPlane, entry.v), entry.direction) / entry.area;
-        const float b = glm::dot(glm::cross(entry.u, onPlane), entry.direction) / entry.area;
+        const float a = glm::dot(onPlane, entry.alongU);
+        const float b = glm::dot(onPlane, entry.alongV);
         const bool inside = a >= 0 && a <= 1 && b >= 0 && b <= 1;
         return inside ? LightHit{index, t, std::fabs(cosine)} : LightHit{};
     }

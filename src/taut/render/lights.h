@@ -14,11 +14,12 @@ enum class LightKind : std::uint8_t { Environment, Quad, Sphere, Directional, Po
 /// One light that can be chosen.
 struct LightEntry {
     LightKind kind = LightKind::Environment;
-    Vec3 radiance{0};  ///< as in scene.h's Light
-    Vec3 origin{0};    ///< quad corner; sphere, point, spot centre
-    Vec3 u{0}, v{0};   ///< quad edges
-    Vec3 direction{0}; ///< quad normal; directional and spot: the way light travels
-    float area = 0;    ///< quad, mesh
+    Vec3 radiance{0};          ///< as in scene.h's Light
+    Vec3 origin{0};            ///< quad corner; sphere, point, spot centre
+    Vec3 u{0}, v{0};           ///< quad edges
+    Vec3 alongU{0}, alongV{0}; ///< quad: what a vector in its plane is multiplied by to have its coordinates along the edges
+    Vec3 direction{0};         ///< quad normal; directional and spot: the way light travels
+    float area = 0;            ///< quad, mesh
     float radius = 0;
     Vec3 centre{0}; ///< quad, mesh: what its distance is taken to
     float cosInner = 1, cosOuter = 0;

@@ -165,6 +165,8 @@ void RenderScene::placeLights(const DMat4 &renderFromWorld) {
             const Vec3 cross = glm::cross(entry.u, entry.v);
             entry.area = glm::length(cross);
             entry.direction = cross / entry.area;
+            entry.alongU = glm::cross(entry.v, entry.direction) / entry.area;
+            entry.alongV = glm::cross(entry.direction, entry.u) / entry.area;
             entry.centre = entry.origin + 0.5F * (entry.u + entry.v);
         }
         lights_.entries.push_back(std::move(entry));

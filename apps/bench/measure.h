@@ -1,0 +1,31 @@
+#pragma once
+/// Measures one scene of the benchmark: our renderer, the same rays through bare Embree calls and Cycles take turns, round by round,
+/// so that whatever else the machine does meets all of them.
+
+#include "bench_scenes.h"
+
+#include <nlohmann/json.hpp>
+
+namespace taut::bench {
+
+struct MeasureOptions {
+    int spp = 16;      ///< samples a pixel of a timed frame
+    int recordSpp = 4; ///< recorded for the replay
+    int rounds = 3;
+    int threads = 1;
+    bool cycles = false;
+    bool equalError = false; ///< with cycles
+    int errorSize = 128;     ///< width and height of the images whose error is measured
+};
+
+/// What the fields mean:
+///   samples_per_s, seconds_per_frame  whole frames: deformation, gradient, BVH update and tracing
+///   rays_per_s, ratio_to_embree       tracing alone, as the replay is
+///   ratio_to_cycles                   whole frames; a static scene is in memory in both
+///   equal_error_time_ratio_to_cycles  the greatest of the three in equal_error: our time to reach the error that Cycles has after
+///                                     16, 64 and 256 samples a pixel, over its time for them
+///   peak_mb, cycles_peak_mb           of the process, before rays are recorded for the replay
+/// Rates and ratios are medians of the rounds; "spread" holds their quartiles.
+nlohmann::json measure(const BenchScene &bench, const MeasureOptions &options);
+
+} // namespace taut::bench
