@@ -17,7 +17,7 @@ struct BoundedCaps : ReflectionSampler {
 };
 /// What renders: the cone or bounded caps, by what caps would lose.
 struct RenderersChoice : ReflectionSampler {
-    RenderersChoice(const MicroTransform &m, const Vec3 &wo) : ReflectionSampler(m, wo, ScatteringPoint::kBearableWaste) {}
+    RenderersChoice(const MicroTransform &m, const Vec3 &wo) : ReflectionSampler(m, wo, kBearableWaste) {}
 };
 
 /// f cos at F = 1, height-correlated, with the density that `sampler` gives wi; wi.z > 0. For wo below the horizon the shape is that
