@@ -207,7 +207,7 @@ TEST_CASE("Compensation is reciprocal, its samples follow its pdf", "[energy]") 
     }
 }
 
-TEST_CASE("The walk's stand-in density is positive wherever the walk goes, and integrates to about one", "[energy][walk]") {
+TEST_CASE("A walk's sample has the density of its part, and walks of one facet have one that integrates to their share", "[energy][walk]") {
     for (const float eta : {0.0F, 1.5F, 1 / 1.5F}) // 0: a metal
         for (const MicroTransform &m : charted())
             for (const double theta : {0.0, 60.0, 89.0, 95.0}) {
@@ -224,16 +224,62 @@ TEST_CASE("The walk's stand-in density is positive wherever the walk goes, and i
                         ++missed;
                         continue;
                     }
-                    const BsdfEval e = point.evaluate(s->wi, hash(i, 7));
-                    if (!(e.pdf > 0) || e.pdf != s->pdf || !isFinite(e.fCos)) FAIL("eta " << eta << ", theta " << theta);
+                    const auto [single, multiple] = point.evaluateParts(s->wi, hash(i, 7));
+                    const bool known = s->pdf == single.pdf || s->pdf == multiple.pdf;
+                    if (!(multiple.pdf > 0) || !known || !isFinite(single.fCos + multiple.fCos)) FAIL("eta " << eta << ", theta " << theta);
                 }
                 CHECK(missed == 0);
             }
     for (const MicroTransform &m : {microTransformFromAlpha(1, 1), microTransform(0.7F, 0.5F, 0, 0.6F)}) {
         const Bsdf bsdf = metal(m, Multiscatter::Walk);
-        const ScatteringPoint point(bsdf, direction(50, 15));
-        CHECK(diffuseMean([&](const Vec3 &wi) { return point.evaluate(wi).pdf / (wi.z * kInvPi); }, 1U << 14) == Approx(1).margin(0.05));
+        const Vec3 wo = direction(50, 15);
+        const ScatteringPoint point(bsdf, wo);
+        const double share = diffuseMean([&](const Vec3 &wi) { return point.evaluateParts(wi).single.pdf / (wi.z * kInvPi); }, 1U << 14);
+        CHECK(share == Approx(energy::singleScatterAlbedo(m, wo)).margin(0.01));
     }
+}
+
+TEST_CASE("A lamp lights a walk alike with and without multiple importance sampling", "[energy][walk]") {
+    // A lamp as a cap of directions. By light samples of the whole alone; and by light and sampled directions, each part weighed.
+    constexpr std::uint32_t kSamples = 1U << 17;
+    const auto heuristic = [](double a, double b) { return a * a / (a * a + b * b); };
+    for (const float alpha : {0.08F, 0.5F})
+        for (const double halfAngle : {5.0, 30.0})
+            for (const bool glass : {false, true}) {
+                Bsdf bsdf = metal(microTransformFromAlpha(alpha, 2 * alpha), Multiscatter::Walk);
+                if (glass) {
+                    bsdf.type = BsdfType::Dielectric;
+                    bsdf.eta = 1.5F;
+                }
+                const ScatteringPoint point(bsdf, direction(50, 20));
+                const Vec3 centre = direction(35, 200); // beside the mirrored direction
+                const double cosine = std::cos(radians(halfAngle));
+                const double lightPdf = 1 / (2 * 3.14159265358979 * (1 - cosine));
+                const Frame frame = smoothFrameFromNormal(centre);
+                double sums[2] = {0, 0};
+                double squares[2] = {0, 0};
+                for (std::uint32_t i = 0; i < kSamples; ++i) {
+                    const Vec2 u = sobol2(i, 5);
+                    const float z = 1 - u.x * static_cast<float>(1 - cosine);
+                    const Vec3 wi = frame.fromLocal(Vec3(std::sqrt(std::max(0.0F, 1 - z * z)) * unitCircle(u.y), z));
+                    const auto [single, multiple] = point.evaluateParts(wi, hash(i, 11));
+                    const double lightAlone = static_cast<double>(single.fCos.x + multiple.fCos.x) / lightPdf;
+                    double both = 0;
+                    for (const BsdfEval &part : {single, multiple})
+                        both += static_cast<double>(part.fCos.x) / lightPdf * heuristic(lightPdf, static_cast<double>(part.pdf));
+                    const auto s = point.sample(sobol2(i, 6), sobol1(i, 7), hash(i, 13));
+                    if (s && static_cast<double>(glm::dot(s->wi, centre)) > cosine)
+                        both += static_cast<double>(s->weight.x) * heuristic(static_cast<double>(s->pdf), lightPdf);
+                    for (const auto &[k, x] : {std::pair(0, lightAlone), std::pair(1, both)}) {
+                        sums[k] += x / kSamples;
+                        squares[k] += x * x / kSamples;
+                    }
+                }
+                const double error = std::sqrt((squares[0] - sums[0] * sums[0] + squares[1] - sums[1] * sums[1]) / kSamples);
+                INFO("alpha " << alpha << ", lamp " << halfAngle << (glass ? ", glass" : "") << ": " << sums[0] << " and " << sums[1]);
+                CHECK(std::fabs(sums[0] - sums[1]) < 4 * error);
+                CHECK(squares[1] - sums[1] * sums[1] < squares[0] - sums[0] * sums[0]);
+            }
 }
 
 TEST_CASE("What is done about multiple scattering where a material leaves it open", "[energy]") {

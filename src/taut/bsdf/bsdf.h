@@ -6,8 +6,8 @@
 /// `fCos` is the BSDF times |wi.z|, the only product that stays finite at grazing; it is never split.
 ///
 /// With Multiscatter::Walk evaluation is an unbiased estimate, drawn from `seed`, and a sampled direction's weight is its walk's
-/// throughput. The density of the walk is not known; `pdf` then is an approximation of it, never 0 where the walk can go, the same
-/// for evaluation and sampling, so that multiple importance sampling with it stays unbiased.
+/// throughput. The density of the walk is not known; `pdf` of a sample is that of its part in evaluateParts() (multiple_scattering.h):
+/// the density of walks of one facet, exact, or a stand-in, so that multiple importance sampling of each part stays unbiased.
 
 #include "taut/base/warp.h"
 #include "taut/bsdf/multiple_scattering.h"
@@ -42,7 +42,10 @@ class ScatteringPoint {
     /// fCos and pdf of a given wi. `seed` names the walk, where there is one: another one for every call of a path.
     [[nodiscard]] BsdfEval evaluate(const Vec3 &wi, std::uint32_t seed = 0) const {
         if (bsdf_.type == BsdfType::Diffuse) return diffuse(wi);
-        if (multiple_.treatment == Multiscatter::Walk) return multiple::evaluateWalk(bsdf_, multiple_.loss, wo_, wi, seed);
+        if (multiple_.treatment == Multiscatter::Walk) {
+            const multiple::WalkEval e = multiple::evaluateWalk(bsdf_, wo_, wi, seed);
+            return {e.single.fCos + e.multiple.fCos, e.single.pdf + e.multiple.pdf};
+        }
         if (wi.z <= 0) return bsdf_.type == BsdfType::Dielectric ? transmission(wi) : BsdfEval{};
         BsdfEval e = reflection(wi);
         if (bsdf_.type == BsdfType::Dielectric) return e;
@@ -59,10 +62,17 @@ class ScatteringPoint {
         return e;
     }
 
+    /// The same in the parts that are weighed against light samples one by one: all of it is `single` but for a walk's second and later
+    /// facets.
+    [[nodiscard]] multiple::WalkEval evaluateParts(const Vec3 &wi, std::uint32_t seed = 0) const {
+        if (multiple_.treatment == Multiscatter::Walk) return multiple::evaluateWalk(bsdf_, wo_, wi, seed);
+        return {evaluate(wi), {}};
+    }
+
     /// A wi with density evaluate(wi).pdf, or nothing where the sampled normal reflects below the horizon. `lobe` chooses
     /// between lobes, `u` the direction; both uniform in [0, 1). `seed` as above.
     [[nodiscard]] std::optional<BsdfSample> sample(const Vec2 &u, float lobe, std::uint32_t seed = 0) const {
-        if (multiple_.treatment == Multiscatter::Walk) return multiple::sampleWalk(bsdf_, multiple_.loss, wo_, u, seed);
+        if (multiple_.treatment == Multiscatter::Walk) return multiple::sampleWalk(bsdf_, wo_, u, seed);
         if (multiple_.treatment == Multiscatter::Compensation && lobe < multiple_.probability) return finish(squareToCosineHemisphere(u));
         if (bsdf_.type == BsdfType::Diffuse || (hasDiffuse() && lobe >= specularProbability_)) {
             return finish(squareToCosineHemisphere(u));

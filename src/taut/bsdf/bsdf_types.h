@@ -20,9 +20,9 @@ struct Bsdf {
     float diffuseEscape = 1;                       ///< coats: (1 - internal diffuse reflectance), from coatEscape()
     MicroTransform micro;
     float bearableWaste = kBearableWaste; ///< ReflectionSampler: 0: never bounded caps; 1: always
-    Vec3 f0{1};     ///< Schlick types
-    Vec3 albedo{0}; ///< diffuse part
-    Vec3 tint{1};   ///< dielectric transmission
+    Vec3 f0{1};                           ///< Schlick types
+    Vec3 albedo{0};                       ///< diffuse part
+    Vec3 tint{1};                         ///< dielectric transmission
     Vec3 conductorEta{1};
     Vec3 conductorK{0};
 };

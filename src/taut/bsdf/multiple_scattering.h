@@ -26,9 +26,6 @@ namespace multiple {
     MultipleScattering s;
     if (bsdf.multiscatter == Multiscatter::Walk && (conductor || bsdf.type == BsdfType::Dielectric)) {
         s.treatment = Multiscatter::Walk;
-        // A guide for the density only: rough where the table does not reach.
-        const float loss = wo.z > 0 ? 1 - energy::singleScatterAlbedo(bsdf.micro, wo) : 0.5F;
-        s.loss = glm::clamp(loss, bsdf.micro.upright() ? 0.01F : 0.1F, 1.0F);
     }
     // A view from below the horizon has no albedo in the table: its one bounce is left as it is.
     if (bsdf.multiscatter == Multiscatter::Compensation && conductor && wo.z > 0) {
@@ -64,29 +61,48 @@ inline Vec3 radianceScale(const Bsdf &bsdf, bool transmitted) {
     return transmitted ? bsdf.tint / (bsdf.eta * bsdf.eta) : Vec3(1);
 }
 
-/// Stand-in for the density of the walk: its one-bounce part, exact, and a diffuse lobe for the rest.
-inline float walkPdf(const Bsdf &bsdf, float loss, const Vec3 &wo, const Vec3 &wi) {
-    if (bsdf.type == BsdfType::Dielectric)
-        return walk::evaluateSingle(bsdf.micro, wo, wi, DielectricFacets{bsdf.eta}).x + loss * (0.5F * kInvPi) * std::fabs(wi.z);
-    if (!(wi.z > 0)) return 0;
-    return walk::evaluateSingle(bsdf.micro, wo, wi, walk::UniformReflector{}).x + loss * kInvPi * wi.z;
+/// What the walk scatters towards wi, by the number of facets: of one in closed form with the density of such walks; of more as an
+/// estimate, with a stand-in for a density.
+///
+/// The two are weighed against light samples apart (multiple importance sampling needs weights that add up to one for each part). The
+/// estimate of the second is 0 but where the walk's last lobe holds wi, and then as high as that lobe: its second moment is its mean
+/// times the lobe's peak, as if sampled directions had that peak's density. So smooth surfaces, whose rare second bounces would flare
+/// up in light samples, leave them to the sampled directions, and rough ones do not.
+struct WalkEval {
+    BsdfEval single, multiple;
+};
+
+inline float singleWalkPdf(const Bsdf &bsdf, const Vec3 &wo, const Vec3 &wi) {
+    if (bsdf.type == BsdfType::Dielectric) return walk::evaluateSingle(bsdf.micro, wo, wi, DielectricFacets{bsdf.eta}).x;
+    return wi.z > 0 ? walk::evaluateSingle(bsdf.micro, wo, wi, walk::UniformReflector{}).x : 0.0F;
+}
+inline float multipleWalkPdf(const Bsdf &bsdf, const Vec3 &wi) {
+    if (bsdf.type != BsdfType::Dielectric && !(wi.z > 0)) return 0;
+    return std::max(kInvPi * std::fabs(wi.z), bsdf.micro.det * (kInvPi / 4)); // D / 4 at its peak
 }
 
-[[gnu::noinline]] inline BsdfEval evaluateWalk(const Bsdf &bsdf, float loss, Vec3 wo, Vec3 wi, std::uint32_t seed) {
-    const float pdf = walkPdf(bsdf, loss, wo, wi);
-    if (!(pdf > 0)) return {};
+[[gnu::noinline]] inline WalkEval evaluateWalk(const Bsdf &bsdf, Vec3 wo, Vec3 wi, std::uint32_t seed) {
+    WalkEval e;
+    e.multiple.pdf = multipleWalkPdf(bsdf, wi);
+    if (!(e.multiple.pdf > 0)) return e;
+    e.single.pdf = singleWalkPdf(bsdf, wo, wi);
     walk::Random random(seed);
     const Vec2 first(random.uniform(), random.uniform());
-    const Vec3 energy = withFacets(bsdf, [&](const auto &facets) { return walk::evaluate(bsdf.micro, wo, wi, facets, first, random); });
-    return {energy * radianceScale(bsdf, wi.z < 0), pdf};
+    const Vec3 scale = radianceScale(bsdf, wi.z < 0);
+    withFacets(bsdf, [&](const auto &facets) {
+        e.single.fCos = walk::evaluateSingle(bsdf.micro, wo, wi, facets) * scale;
+        e.multiple.fCos = walk::evaluateMultiple(bsdf.micro, wo, wi, facets, first, random) * scale;
+        return 0;
+    });
+    return e;
 }
 
-[[gnu::noinline]] inline std::optional<BsdfSample> sampleWalk(const Bsdf &bsdf, float loss, Vec3 wo, Vec2 u, std::uint32_t seed) {
+[[gnu::noinline]] inline std::optional<BsdfSample> sampleWalk(const Bsdf &bsdf, Vec3 wo, Vec2 u, std::uint32_t seed) {
     walk::Random random(seed);
     const walk::Exit exit = withFacets(bsdf, [&](const auto &facets) { return walk::sample(bsdf.micro, wo, facets, u, random); });
     BsdfSample s;
     s.wi = exit.w;
-    s.pdf = walkPdf(bsdf, loss, wo, exit.w);
+    s.pdf = exit.bounces == 1 ? singleWalkPdf(bsdf, wo, exit.w) : multipleWalkPdf(bsdf, exit.w);
     s.transmitted = exit.beyond;
     if (exit.throughput == Vec3(0) || !(s.pdf > 0) || s.transmitted != (s.wi.z < 0)) return std::nullopt;
     s.weight = exit.throughput * radianceScale(bsdf, s.transmitted);

@@ -21,7 +21,7 @@ constexpr std::size_t kMostClusters = 4096;
 constexpr double kRefitSeconds = 22e-9;  ///< a triangle
 constexpr double kBuildSeconds = 230e-9; ///< a triangle, beyond a refit
 constexpr double kRaySeconds = 120e-9;   ///< a ray, all threads together
-constexpr double kSlowdown = 0.5;        ///< relative slowdown of rays per relative growth
+constexpr double kSlowdown = 1.0;        ///< relative slowdown of rays per relative growth
 
 std::uint64_t spread(std::uint32_t x) {
     std::uint64_t v = x & 0x1fffffU;

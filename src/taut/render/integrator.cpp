@@ -218,10 +218,13 @@ void PathTracer::State::connectLight(int event, Index index, const SurfacePoint 
     const Vec3 wi = point.frame.toLocal(light.direction);
     const float side = glm::dot(light.direction, point.geometricNormal);
     if ((side > 0) != (wi.z > 0)) return; // shading and geometric normal disagree about the side: no light leaks
-    const BsdfEval scattered = scattering.evaluate(wi, walkSeed(path, point, dimensionOf(event, kLightPoint)));
-    if (!(scattered.pdf > 0)) return;
-    const float weight = light.delta ? 1.0F : powerHeuristic(light.pdf, scattered.pdf);
-    const Vec3 contribution = path.throughput * scattered.fCos * light.radiance * (weight / light.pdf);
+    const auto [single, multiple] = scattering.evaluateParts(wi, walkSeed(path, point, dimensionOf(event, kLightPoint)));
+    const auto weighed = [&](const BsdfEval &part) {
+        if (!(part.pdf > 0)) return Vec3(0);
+        const float weight = light.delta ? 1.0F : powerHeuristic(light.pdf, part.pdf);
+        return path.throughput * part.fCos * light.radiance * (weight / light.pdf);
+    };
+    const Vec3 contribution = weighed(single) + weighed(multiple);
     if (!(maxComponent(contribution) > 0)) return;
     Ray ray;
     ray.origin = offsetOrigin(point, side > 0);
