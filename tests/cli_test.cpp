@@ -24,7 +24,7 @@ TEST_CASE("cli: --help and --version go to standard output", "[cli]") {
     CHECK(std::regex_match(version.out, std::regex("taut [0-9]+\\.[0-9]+\\.[0-9]+\n")));
     const CommandResult render = runTaut({"render", "--help"});
     CHECK(render.exitCode == 0);
-    for (const char *option : {"--output", "--spp", "--time", "--seed", "--fixed-seed", "--crop", "--aov", "--check", "--quiet",
+    for (const char *option : {"--output", "--spp", "--time", "--noise", "--seed", "--fixed-seed", "--crop", "--aov", "--check", "--quiet",
                                "--progress", "--stats", "--define", "--frames", "--threads"})
         CHECK(render.out.find(option) != std::string::npos);
     CHECK(runTaut({"info", "--help"}).out.find("--json") != std::string::npos);

@@ -85,6 +85,19 @@ void printRow(const nlohmann::json &s) {
     std::fflush(stdout);
 }
 
+void printMemory(const nlohmann::json &scenes) {
+    fmt::print("\n{:<16} {:>10} {:>10} | {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>6} {:>12}\n", "bytes a triangle", "triangles",
+               "vertices", "Embree", "shown", "motion", "source", "policy", "total", "least", "ratio", "with source");
+    for (const auto &s : scenes) {
+        const nlohmann::json &memory = s["memory"];
+        const auto bytes = [&](const char *name) { return memory["bytes_per_triangle"][name].get<double>(); };
+        fmt::print("{:<16} {:>10} {:>10} | {:>7.1f} {:>7.1f} {:>7.1f} {:>7.1f} {:>7.1f} {:>7.1f} {:>7.1f} {:>6.2f} {:>12.2f}\n",
+                   s["name"].get<std::string>(), memory["triangles"].get<std::size_t>(), memory["vertices"].get<std::size_t>(),
+                   bytes("embree"), bytes("shown"), bytes("motion"), bytes("source"), bytes("policy"), bytes("total"), bytes("least"),
+                   memory["ratio_to_least"].get<double>(), memory["ratio_with_source"].get<double>());
+    }
+}
+
 void printEqualError(const nlohmann::json &scenes) {
     fmt::print("\n{:<16} {:>10} {:>10} {:>11} {:>9} {:>10} {:>10} {:>6}   {}\n", "equal error", "Cycles spp", "MSE", "Cycles s", "our spp",
                "our s", "time ratio", "", "images: ratio of means, RMS difference (relative)");
@@ -143,6 +156,7 @@ int main(int argc, char **argv) {
             scenes.push_back(measureApart(bench, options));
             printRow(scenes.back());
         }
+        printMemory(scenes);
         if (options.cycles && options.equalError) printEqualError(scenes);
         if (!output.empty()) writeTextFile(output, nlohmann::json{{"threads", options.threads}, {"scenes", scenes}}.dump(2) + "\n");
     } catch (const InputError &error) {

@@ -5,6 +5,7 @@
 
 #include "taut/base/error.h"
 #include "taut/render/image_file.h"
+#include "taut/render/memory_use.h"
 #include "taut/render/render_frame.h"
 #include "taut/render/replay.h"
 
@@ -199,6 +200,22 @@ void measureEqualError(const BenchScene &bench, const MeasureOptions &options, C
                      {"relative_difference", expectedDifference(ours1, ours2, theirs1, theirs2)}};
 }
 
+json memoryJson(const MemoryUse &use) {
+    const auto perTriangle = [&](std::size_t bytes) { return static_cast<double>(bytes) / static_cast<double>(use.triangles); };
+    return {{"triangles", use.triangles},
+            {"vertices", use.vertices},
+            {"bytes_per_triangle",
+             {{"embree", perTriangle(use.embree)},
+              {"shown", perTriangle(use.shown)},
+              {"motion", perTriangle(use.motion)},
+              {"source", perTriangle(use.source)},
+              {"policy", perTriangle(use.policy)},
+              {"total", perTriangle(use.total())},
+              {"least", perTriangle(use.least())}}},
+            {"ratio_to_least", static_cast<double>(use.rendering()) / static_cast<double>(use.least())},
+            {"ratio_with_source", static_cast<double>(use.total()) / static_cast<double>(use.least())}};
+}
+
 json spreadJson(const Spread &spread) {
     return {spread.lower, spread.median, spread.upper};
 }
@@ -282,6 +299,7 @@ json measure(const BenchScene &bench, const MeasureOptions &options) {
              {"update_seconds_per_frame", total.updates() / measuredFrames},
              {"peak_mb", peak},
              {"cycles_peak_mb", nullptr},
+             {"memory", memoryJson(memoryUse(ready))},
              {"spread",
               {{"samples_per_s", spreadJson(spreadOf(samplesPerSecond))},
                {"rays_per_s", spreadJson(spreadOf(raysPerSecond))},

@@ -23,12 +23,16 @@ namespace taut::app {
 
 namespace {
 
+/// Where a noise level is asked for and no number of samples.
+constexpr int kMostByNoise = 1024;
+
 struct RenderArguments {
     SceneArguments scene;
     ModelArguments model;
     std::vector<std::string> outputs;
     int spp = 0;
     std::string time;
+    std::optional<std::string> noise;
     std::optional<std::uint32_t> seed;
     bool fixedSeed = false;
     std::string crop;
@@ -54,6 +58,20 @@ double parseDuration(const std::string &text) {
     if (used == 0 || found == kUnits.end() || !(value > 0) || !std::isfinite(value))
         failInput({"--time"}, quoted(text), "a duration such as 90s, 5m or 1h");
     return value * found->second;
+}
+
+/// A relative noise level above 0 and below 1.
+double parseNoise(const std::string &text) {
+    std::size_t used = 0;
+    double value = 0;
+    try {
+        value = std::stod(text, &used);
+    } catch (const std::exception &) {
+        used = 0;
+    }
+    if (used == 0 || used != text.size() || !(value > 0 && value < 1))
+        failInput({"--noise"}, quoted(text), "a relative noise level above 0 and below 1 such as 0.01");
+    return value;
 }
 
 Window parseCrop(const std::string &text, const RenderSettings &render) {
@@ -162,6 +180,10 @@ int render(RenderArguments &arguments) {
         options.seconds = parseDuration(arguments.time);
         if (arguments.spp == 0) options.spp = 1 << 16;
     }
+    if (arguments.noise) {
+        options.noise = parseNoise(*arguments.noise);
+        if (arguments.spp == 0) options.spp = std::max(options.spp, kMostByNoise);
+    }
     if (!arguments.crop.empty()) options.window = parseCrop(arguments.crop, scene.render);
 
     RenderScene ready(scene, planFor(scene, arguments.model), frames.size() > 1);
@@ -183,6 +205,7 @@ int render(RenderArguments &arguments) {
         const int samples = result.film.samples();
         const Metadata metadata{{"taut:version", TAUT_VERSION},
                                 {"taut:spp", std::to_string(samples)},
+                                {"taut:meanSpp", fmt::format("{:.3f}", result.film.meanSamples())},
                                 {"taut:sampleRange", fmt::format("0-{}", samples - 1)},
                                 {"taut:seed", std::to_string(scene.render.seed)},
                                 {"taut:frame", std::to_string(frame)},
@@ -192,6 +215,7 @@ int render(RenderArguments &arguments) {
         progress.finishFrame(frame, pathOfFrame(arguments.outputs.front(), frame), setup + result.seconds);
         statistics["frames"].push_back({{"frame", frame},
                                         {"spp", samples},
+                                        {"mean_spp", result.film.meanSamples()},
                                         {"seconds", setup + result.seconds},
                                         {"times", toJson(sceneTimes)},
                                         {"counts", toJson(result.counts)}});
@@ -219,6 +243,9 @@ void addRender(CLI::App &parent, Run &run) {
         ->allow_extra_args(false);
     command->add_option("--spp", arguments->spp, "Samples per pixel (default: the scene's)")->check(CLI::Range(1, 1 << 24));
     command->add_option("--time", arguments->time, "Stop each frame after this long: 90s, 5m, 1h");
+    command->add_option("--noise", arguments->noise,
+                        "Adaptive sampling: stop where the standard error of a pixel is this share of its luminance (0.01); "
+                        "--spp is the upper bound (default: 1024, or the scene's if that is more)");
     command->add_option("--seed", arguments->seed, "Seed of all random numbers");
     command->add_flag("--fixed-seed", arguments->fixedSeed, "The same random numbers in every frame");
     command->add_option("--crop", arguments->crop, "Render only the pixels x0,y0,x1,y1 (x1, y1 excluded)");

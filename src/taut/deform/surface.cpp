@@ -285,4 +285,19 @@ Surface buildSurface(const Mesh &mesh, const SurfaceOptions &options) {
     return Builder(mesh, options).build();
 }
 
+void compact(Surface &surface, bool fits) {
+    if (!fits) {
+        surface.stencilOffsets.clear();
+        surface.stencilPositions.clear();
+        surface.stencilWeights.clear();
+        surface.stencilPoints.clear();
+        surface.slope.clear();
+    }
+    const auto shrink = [](auto &...arrays) { (arrays.shrink_to_fit(), ...); };
+    shrink(surface.triangles, surface.triangleSlots, surface.vertexSurface, surface.uvs, surface.vertexTangents, surface.frameCoefficients,
+           surface.surfacePosition, surface.normals, surface.e1, surface.e2, surface.stencilOffsets, surface.stencilPositions,
+           surface.stencilWeights, surface.stencilPoints, surface.slope, surface.weightGradientOffsets, surface.weightGradientJoints,
+           surface.weightGradients);
+}
+
 } // namespace taut

@@ -84,4 +84,8 @@ struct SurfaceOptions {
 
 Surface buildSurface(const Mesh &mesh, const SurfaceOptions &options);
 
+/// Gives memory back: what arrays hold beyond their size, and with `fits` false stencils and slopes. Gradients then can be carried
+/// along but no longer be fitted, so control points must stay at rest.
+void compact(Surface &surface, bool fits);
+
 } // namespace taut

@@ -67,6 +67,9 @@ struct Mesh {
     [[nodiscard]] std::size_t cornerCount() const { return cornerPositions.size(); }
 };
 
+/// Gives back what the arrays hold beyond their size.
+void shrinkToFit(Mesh &mesh);
+
 /// Smallest axis-aligned box of finite points; lower > upper where there are none.
 struct Bounds {
     Vec3 lower{kInfinity};

@@ -82,6 +82,7 @@ Mesh readMesh(const std::string &path, Warnings &warnings) {
     mesh.name = std::filesystem::path(path).stem().string();
     dropDegenerateFaces(mesh, path, warnings);
     normaliseNormals(mesh);
+    shrinkToFit(mesh);
     if (mesh.faceCount() == 0) throw InputError(path + ": found no face, expected at least one face with three distinct corners");
     return mesh;
 }

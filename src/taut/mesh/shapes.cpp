@@ -33,6 +33,7 @@ template <class F> Mesh makePatch(int nu, int nv, bool closedU, bool closedV, co
             mesh.faceOffsets.push_back(static_cast<Index>(mesh.cornerPositions.size()));
         }
     mesh.cornerNormals = mesh.cornerPositions;
+    shrinkToFit(mesh);
     return mesh;
 }
 

@@ -34,14 +34,12 @@ std::uint64_t spread(std::uint32_t x) {
 
 /// Sum over clusters of box surface over sum of triangle areas.
 double boxesOverTriangles(const std::vector<Index> &order, std::span<const Index3> triangles, std::span<const Vec3> positions) {
-    const std::size_t clusters = (order.size() + kCluster - 1) / kCluster;
-    const std::size_t stride = std::max<std::size_t>(1, clusters / kMostClusters);
     double boxes = 0;
     double areas = 0;
-    for (std::size_t c = 0; c < clusters; c += stride) {
+    for (std::size_t begin = 0; begin < order.size(); begin += kCluster) {
         Vec3 lower(kInfinity);
         Vec3 upper(-kInfinity);
-        for (std::size_t i = c * kCluster; i < std::min(order.size(), (c + 1) * kCluster); ++i) {
+        for (std::size_t i = begin; i < std::min(order.size(), begin + kCluster); ++i) {
             const Index3 &t = triangles[order[i]];
             const Vec3 &a = positions[t.x];
             const Vec3 &b = positions[t.y];
@@ -77,8 +75,12 @@ void BvhPolicy::built(std::span<const Index3> triangles, std::span<const Vec3> p
         keys[i] = {code, static_cast<Index>(i)};
     });
     tbb::parallel_sort(keys.begin(), keys.end());
-    order_.resize(keys.size());
-    for (std::size_t i = 0; i < keys.size(); ++i) order_[i] = keys[i].second;
+    const std::size_t clusters = (keys.size() + kCluster - 1) / kCluster;
+    const std::size_t stride = std::max<std::size_t>(1, clusters / kMostClusters);
+    order_.clear();
+    order_.reserve(std::min(keys.size(), ((clusters + stride - 1) / stride) * kCluster));
+    for (std::size_t c = 0; c < clusters; c += stride)
+        for (std::size_t i = c * kCluster; i < std::min(keys.size(), (c + 1) * kCluster); ++i) order_.push_back(keys[i].second);
     fresh_ = boxesOverTriangles(order_, triangles, positions);
 }
 

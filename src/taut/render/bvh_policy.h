@@ -31,8 +31,11 @@ class BvhPolicy {
     /// Boxes' surface over triangles' area, relative to what it was when the BVH was built: 1 when fresh.
     [[nodiscard]] double growth(std::span<const Index3> triangles, std::span<const Vec3> positions) const;
 
+    [[nodiscard]] std::size_t bytes() const { return order_.capacity() * sizeof(Index); }
+
   private:
-    std::vector<Index> order_; // triangles along a space-filling curve over the positions of the last build
+    std::vector<Index> order_; // of the clusters that are looked at: triangles side by side on a space-filling curve over the
+                               // positions of the last build
     double fresh_ = 0;
 };
 

@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <string>
+#include <sys/types.h>
 
 namespace taut {
 
@@ -15,6 +17,12 @@ void onError(void *, RTCError code, const char *message) {
     // Embree calls this where the error arises; throwing through its frames is not allowed, so errors are read after each commit.
     static_cast<void>(code);
     static_cast<void>(message);
+}
+
+/// Embree tells what it takes and gives back.
+bool countBytes(void *count, ssize_t bytes, bool) {
+    *static_cast<std::atomic<std::ptrdiff_t> *>(count) += bytes;
+    return true;
 }
 
 /// Traces rays [begin, begin + N) as one packet of Embree's N-wide call.
@@ -49,6 +57,7 @@ struct EmbreeScene::State {
     RTCDevice device = nullptr;
     RTCScene scene = nullptr;
     bool dynamic = false;
+    std::atomic<std::ptrdiff_t> bytes{0};
     std::vector<RTCScene> instanced; ///< the BVHs behind instances
     std::vector<unsigned> steps;     ///< [geometries] times in the shutter
 
@@ -59,6 +68,7 @@ EmbreeScene::EmbreeScene(bool dynamic) : state_(std::make_unique<State>()) {
     state_->device = rtcNewDevice(nullptr);
     if (state_->device == nullptr) throw RunError("Embree could not start on this machine");
     rtcSetDeviceErrorFunction(state_->device, onError, nullptr);
+    rtcSetDeviceMemoryMonitorFunction(state_->device, countBytes, &state_->bytes);
     state_->scene = rtcNewScene(state_->device);
     state_->dynamic = dynamic;
     if (!dynamic) return;
@@ -159,6 +169,10 @@ void EmbreeScene::occluded(std::span<const Ray> rays, std::span<unsigned char> b
         rtcOccluded1M(state_->scene, &context, stream.data(), static_cast<unsigned>(count), sizeof(RTCRay));
         for (std::size_t i = 0; i < count; ++i) blocked[begin + i] = stream[i].tfar < 0 ? 1 : 0;
     }
+}
+
+std::size_t EmbreeScene::bytes() const {
+    return static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, state_->bytes.load()));
 }
 
 void *EmbreeScene::native() const {

@@ -44,6 +44,9 @@ class EmbreeScene {
     /// True at i where ray i meets anything in [nearest, farthest].
     void occluded(std::span<const Ray> rays, std::span<unsigned char> blocked) const;
 
+    /// Bytes that Embree holds: BVHs and what goes with them, not the buffers it was given.
+    [[nodiscard]] std::size_t bytes() const;
+
     /// Embree's own handle (RTCScene), for measuring bare calls.
     [[nodiscard]] void *native() const;
 

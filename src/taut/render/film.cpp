@@ -64,8 +64,8 @@ const std::vector<AovInfo> &aovInfos() {
 Film::Film(const Window &window, const std::vector<Aov> &aovs) : window_(window), aovs_(aovs) {
     for (const Aov aov : aovs_) aovChannels_ += static_cast<int>(aovInfos()[static_cast<std::size_t>(aov)].channels.size());
     stride_ = 5 + aovChannels_;
-    sums_.assign(static_cast<std::size_t>(window.width()) * static_cast<std::size_t>(window.height()) * static_cast<std::size_t>(stride_),
-                 0.0);
+    counts_.assign(static_cast<std::size_t>(window.width()) * static_cast<std::size_t>(window.height()), 0);
+    sums_.assign(counts_.size() * static_cast<std::size_t>(stride_), 0.0);
 }
 
 std::vector<std::string> Film::channelNames() const {
@@ -78,8 +78,8 @@ std::vector<std::string> Film::channelNames() const {
 }
 
 void Film::add(int x, int y, const Vec3 &radiance, float alpha, const float *aovs) {
-    const auto pixel =
-        static_cast<std::size_t>(y - window_.y0) * static_cast<std::size_t>(window_.width()) + static_cast<std::size_t>(x - window_.x0);
+    const std::size_t pixel = pixelAt(x, y);
+    ++counts_[pixel];
     double *sum = &sums_[pixel * static_cast<std::size_t>(stride_)];
     for (int c = 0; c < 3; ++c) sum[c] += static_cast<double>(radiance[c]);
     sum[3] += static_cast<double>(alpha);
@@ -88,13 +88,28 @@ void Film::add(int x, int y, const Vec3 &radiance, float alpha, const float *aov
     for (int c = 0; c < aovChannels_; ++c) sum[5 + c] += static_cast<double>(aovs[c]);
 }
 
+int Film::samples() const {
+    return counts_.empty() ? 0 : static_cast<int>(*std::max_element(counts_.begin(), counts_.end()));
+}
+
+double Film::meanSamples() const {
+    double sum = 0;
+    for (const std::uint32_t count : counts_) sum += count;
+    return counts_.empty() ? 0 : sum / static_cast<double>(counts_.size());
+}
+
+double Film::luminanceSum(int x, int y) const {
+    const double *sum = &sums_[pixelAt(x, y) * static_cast<std::size_t>(stride_)];
+    return 0.2126 * sum[0] + 0.7152 * sum[1] + 0.0722 * sum[2];
+}
+
 std::vector<float> Film::resolve() const {
-    const std::size_t pixels = sums_.size() / static_cast<std::size_t>(stride_);
+    const std::size_t pixels = counts_.size();
     const int channels = 4 + aovChannels_;
     std::vector<float> values;
     values.reserve(pixels * static_cast<std::size_t>(channels));
-    const double inverse = samples_ > 0 ? 1.0 / samples_ : 0.0;
     for (std::size_t p = 0; p < pixels; ++p) {
+        const double inverse = counts_[p] > 0 ? 1.0 / counts_[p] : 0.0;
         const double *sum = &sums_[p * static_cast<std::size_t>(stride_)];
         for (int c = 0; c < 4; ++c) values.push_back(static_cast<float>(sum[c] * inverse));
         for (int c = 0; c < aovChannels_; ++c) values.push_back(sum[4] > 0 ? static_cast<float>(sum[5 + c] / sum[4]) : 0.0F);

@@ -28,6 +28,7 @@ struct Window {
 };
 
 /// Sums over samples; channels R G B A and those of the AOVs, interleaved. AOVs are averaged over the samples that hit a surface.
+/// Pixels may have different numbers of samples.
 class Film {
   public:
     Film(const Window &window, const std::vector<Aov> &aovs);
@@ -39,9 +40,13 @@ class Film {
 
     /// Adds one sample of pixel (x, y); `aovs` has aovChannels() values, or is null where the sample hit nothing.
     void add(int x, int y, const Vec3 &radiance, float alpha, const float *aovs);
-    void addSamples(int count) { samples_ += count; } ///< called once a pass
 
-    [[nodiscard]] int samples() const { return samples_; }
+    /// Samples of the pixel that has most of them.
+    [[nodiscard]] int samples() const;
+    /// Samples a pixel, on average.
+    [[nodiscard]] double meanSamples() const;
+    /// Sum over the samples of a pixel of 0.2126 R + 0.7152 G + 0.0722 B.
+    [[nodiscard]] double luminanceSum(int x, int y) const;
     /// Means, interleaved, in channelNames() order.
     [[nodiscard]] std::vector<float> resolve() const;
 
@@ -49,9 +54,14 @@ class Film {
     Window window_;
     std::vector<Aov> aovs_;
     int aovChannels_ = 0;
-    int stride_ = 0; ///< 5 + aovChannels_: R G B A, hits, AOVs
-    int samples_ = 0;
+    int stride_ = 0;                    ///< 5 + aovChannels_: R G B A, hits, AOVs
+    std::vector<std::uint32_t> counts_; // [pixels] samples
     std::vector<double> sums_;
+
+    [[nodiscard]] std::size_t pixelAt(int x, int y) const {
+        return static_cast<std::size_t>(y - window_.y0) * static_cast<std::size_t>(window_.width()) +
+               static_cast<std::size_t>(x - window_.x0);
+    }
 };
 
 /// Offset of a sample from its pixel's centre, importance sampled from the reconstruction filter (Ernst, Stamminger & Greiner

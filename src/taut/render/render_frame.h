@@ -11,6 +11,7 @@ namespace taut {
 struct FrameOptions {
     int spp = 64;
     std::optional<double> seconds; ///< stop after the pass in which this much time is over; spp then is the upper bound
+    std::optional<double> noise;   ///< adaptive sampling to this relative noise (adaptive.h); spp then is the upper bound
     Window window;                 ///< pixels to render; empty: the whole frame
     std::vector<Aov> aovs;
     std::uint32_t seed = 0; ///< of this frame, already decorrelated

@@ -172,7 +172,8 @@ bool moveRigid(RenderObject &object, std::size_t step, double frame, double fps,
     }
     if (object.steps[0].normals.empty()) {
         fillRigid(object, {restFromObject[0], restFromObject[1], restFromObject[2], -object.localCentre}, Mat3(1), object.steps[0]);
-        object.restTangents = {};
+        object.restTangents.clear();
+        object.restTangents.shrink_to_fit();
     }
     const Affine placement{rotation[0], rotation[1], rotation[2], transformPoint(state.carrier, objectFromRest * object.localCentre)};
     if (object.placements[step] == placement) return false;
@@ -214,7 +215,12 @@ void prepareRenderObject(const Object &object, const RenderSettings &render, con
             rest[v] = surface.restFromObject * out.mesh().positions[surface.surfacePosition[surface.vertexSurface[v]]];
         out.metrics = restMetrics(surface, rest);
     }
-    if (!out.rigid) return;
+    if (!out.rigid) {
+        // Gradients that are carried along start from a fit only where control points move by themselves.
+        const bool controlMoves = object.sequence || object.cache || !object.mesh->morphs.empty();
+        compact(out.surface, controlMoves || out.subdivision || out.plan.estimator != GradientEstimator::Analytic);
+        return;
+    }
     if (out.instanced) {
         out.placements.assign(times, Affine(0));
         out.localCentre = centreOf(out.mesh().positions, surface.restFromObject);
@@ -225,6 +231,10 @@ void prepareRenderObject(const Object &object, const RenderSettings &render, con
         const Vec4 &k = surface.frameCoefficients[v];
         out.restTangents[v] = Vec4(surface.e1[s] * k.x + surface.e2[s] * k.y, k.x * k.w - k.y * k.z < 0 ? -1.0F : 1.0F);
     }
+    out.surface.e1.clear(); // the tangents are all that was wanted of these
+    out.surface.e2.clear();
+    out.surface.frameCoefficients.clear();
+    compact(out.surface, false);
 }
 
 bool moveObject(RenderObject &object, std::size_t step, double frame, double fps, const DMat4 &renderFromWorld, double &deformationSeconds,
