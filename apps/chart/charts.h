@@ -17,6 +17,7 @@ Chart measureBvh(const ChartOptions &options);
 Chart measurePlan(const ChartOptions &options);
 Chart measureRender(const ChartOptions &options);
 Chart measureMicrogeometry(const ChartOptions &options);
+Chart measureTalk(const ChartOptions &options);
 
 struct ChartEntry {
     const char *name;
