@@ -13,6 +13,8 @@ std::span<const ChartEntry> allCharts() {
         {"bvh", "refitting and rebuilding the BVH of a deforming mesh", measureBvh},
         {"plan", "what the plan's tolerance saves", measurePlan},
         {"render", "the whole renderer by samples, models and samplers; Cycles where Blender is", measureRender},
+        {"microgeometry", "a deformed heightfield of real facets beside M", measureMicrogeometry},
+        {"talk", "the figures of the talk that the project began with", measureTalk},
     };
     return kCharts;
 }

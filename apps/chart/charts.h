@@ -16,6 +16,8 @@ Chart measureMultiscatter(const ChartOptions &options);
 Chart measureBvh(const ChartOptions &options);
 Chart measurePlan(const ChartOptions &options);
 Chart measureRender(const ChartOptions &options);
+Chart measureMicrogeometry(const ChartOptions &options);
+Chart measureTalk(const ChartOptions &options);
 
 struct ChartEntry {
     const char *name;
