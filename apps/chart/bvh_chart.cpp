@@ -219,7 +219,7 @@ Panel stagePanel(const std::string &name, const Stage &stage, const std::string 
 
 Panel framePanel(int spp, const std::vector<Stage> &stages, const std::string &conditions) {
     Panel panel{"frame-" + std::to_string(spp),
-                "BVH and rays of a frame, " + std::to_string(spp) + " samples a pixel",
+                "BVH and rays of a frame, " + std::to_string(spp) + (spp == 1 ? " sample a pixel" : " samples a pixel"),
                 conditions + "; 512 x 512 pixels, 2.5 rays a sample",
                 {"twist", "rad/m"},
                 {"update and rays", "ms"},
@@ -255,7 +255,7 @@ Panel switchPanel(const std::vector<Stage> &stages, const std::string &condition
     panel.labelled = false;
     for (const Stage &stage : stages) {
         const double lost = stage.trace[0].value - stage.trace[2].value;
-        if (lost > stage.trace[0].spread + stage.trace[2].spread)
+        if (stage.growth > 1 && lost > stage.trace[0].spread + stage.trace[2].spread)
             panel.points.push_back(
                 {"measured", digits(stage.twist), {stage.growth - 1}, {(stage.update[2].value - stage.update[0].value) / lost}, false});
     }

@@ -229,7 +229,7 @@ Chart measureRender(const ChartOptions &options) {
         "Default: the plan, " + last +
         " samples, the cone where bounded caps would lose more than a tenth. What single scattering loses and what a fixed gloss gets "
         "wrong no number of samples mends. ";
-    chart.choice += why.empty() ? "To Taut's error at " + last + " samples Cycles takes " + times + " of Taut's time."
+    chart.choice += why.empty() ? "To come to Taut's error at " + last + " samples Cycles needs " + times + " times Taut's time."
                                 : "Cycles is left out: " + why + ".";
     std::error_code ignored;
     std::filesystem::remove_all(folder, ignored);
