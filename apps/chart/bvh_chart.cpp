@@ -259,7 +259,9 @@ Panel switchPanel(const std::vector<Stage> &stages, const std::string &condition
             panel.points.push_back(
                 {"measured", digits(stage.twist), {stage.growth - 1}, {(stage.update[2].value - stage.update[0].value) / lost}, false});
     }
-    for (const Stage &stage : stages) panel.points.push_back({"policy", digits(stage.twist), {stage.growth - 1}, {stage.policyRays}, true});
+    for (const Stage &stage : stages)
+        if (stage.growth > 1) // else it never rebuilds
+            panel.points.push_back({"policy", digits(stage.twist), {stage.growth - 1}, {stage.policyRays}, true});
     return panel;
 }
 

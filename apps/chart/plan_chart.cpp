@@ -1,6 +1,7 @@
 /// taut chart plan: what the plan's tolerance saves, and whether it is kept.
 
 #include "chart/charts.h"
+#include "chart/equal_error.h"
 #include "chart/plan_scenes.h"
 #include "chart/render_image.h"
 #include "chart/text.h"
@@ -41,7 +42,6 @@ class Variance {
         double variance = 0;
         double size = 0;
         for (std::size_t i = 0; i < sum_.size(); ++i) {
-            if (i % 4 == 3) continue; // alpha
             variance += (squares_[i] - sqr(sum_[i]) / count_) / (count_ - 1);
             size += sqr(sum_[i] / count_);
         }
@@ -81,21 +81,7 @@ struct Outcome {
     }
 };
 
-/// Mean square of what the differences of two seeds have in common, over that of the reference: without noise, for in the product that has
-/// a mean of zero. It may come out below zero where there is nothing else.
-double commonSquare(const std::vector<std::vector<float>> &images, const std::vector<std::vector<float>> &references, std::size_t a,
-                    std::size_t b) {
-    double common = 0;
-    double size = 0;
-    for (std::size_t i = 0; i < images[a].size(); ++i) {
-        if (i % 4 == 3) continue; // alpha
-        common += static_cast<double>(images[a][i] - references[a][i]) * static_cast<double>(images[b][i] - references[b][i]);
-        size += static_cast<double>(references[a][i]) * static_cast<double>(references[b][i]);
-    }
-    return common / size;
-}
-
-/// Errors against the last run, from all pairs of seeds.
+/// Errors against the last run, from all pairs of seeds; without noise, a square may come out below zero where there is nothing else.
 void measureErrors(const PlanScene &scene, std::vector<Run> &runs) {
     std::vector<std::vector<std::vector<float>>> images(runs.size()); // [runs][seeds]
     for (std::size_t i = 0; i < runs.size(); ++i)
@@ -106,7 +92,8 @@ void measureErrors(const PlanScene &scene, std::vector<Run> &runs) {
         double mean = 0;
         for (std::size_t a = 0; a < kErrorSeeds; ++a)
             for (std::size_t b = 0; b < a; ++b) {
-                squares.push_back(commonSquare(images[i], images.back(), a, b));
+                const double e = expectedDifference(images[i][a], images[i][b], images.back()[a], images.back()[b]);
+                squares.push_back(std::copysign(e * e, e));
                 mean += squares.back();
             }
         mean /= static_cast<double>(squares.size());
