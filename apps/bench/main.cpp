@@ -1,7 +1,7 @@
 /// taut_bench: samples and rays per second of the renderer, beside the same rays replayed through bare Embree calls and, where it
 /// is asked for, Cycles on the same scenes; where the time goes; and time to equal error. Prints tables; --output writes JSON.
 
-#include "cycles_peer.h"
+#include "chart/cycles_peer.h"
 #include "measure.h"
 
 #include "taut/base/error.h"
@@ -141,7 +141,7 @@ int main(int argc, char **argv) {
             options.rounds = 1;
             options.spp = 4;
         }
-        if (options.cycles && !hasBlender()) {
+        if (options.cycles && !chart::hasBlender()) {
             std::cerr << "taut_bench: blender is not on the PATH: Cycles is left out" << std::endl;
             options.cycles = false;
         }

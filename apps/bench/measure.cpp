@@ -1,7 +1,7 @@
 #include "measure.h"
 
+#include "chart/cycles_peer.h"
 #include "chart/equal_error.h"
-#include "cycles_peer.h"
 
 #include "taut/base/error.h"
 #include "taut/render/image_file.h"
@@ -14,7 +14,6 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include <map>
 #include <optional>
 
 namespace taut::bench {
@@ -126,15 +125,7 @@ std::vector<float> ourImage(const RenderScene &ready, int spp, std::uint32_t see
 std::vector<float> cyclesImage(CyclesPeer &cycles, CyclesRequest request, const fs::path &folder) {
     request.output = folder / "cycles.exr";
     cycles.render(request);
-    Image image = readImage(request.output.string());
-    if (image.channels.size() < 3) throw RunError("Cycles wrote an image of fewer than three channels");
-    const std::size_t stride = image.channels.size();
-    std::map<std::string, std::size_t> places;
-    for (std::size_t c = 0; c < stride; ++c) places[image.channels[c]] = c;
-    std::vector<float> rgb;
-    for (std::size_t i = 0; i < image.values.size(); i += stride)
-        for (const char *name : {"R", "G", "B"}) rgb.push_back(image.values[i + places.at(name)]);
-    return rgb;
+    return readCyclesImage(request.output);
 }
 
 double meanOf(const std::vector<float> &values) {

@@ -1,12 +1,15 @@
 /// taut chart render: the whole renderer, time against noise and bias, by samples, models and samplers; and Cycles beside it.
 
 #include "chart/charts.h"
-#include "chart/cycles.h"
+#include "chart/cycles_peer.h"
+#include "chart/equal_error.h"
 #include "chart/render_image.h"
 #include "chart/text.h"
 #include "chart/timing.h"
 
 #include "taut/mesh/shapes.h"
+
+#include <tbb/info.h>
 
 #include <cmath>
 
@@ -14,7 +17,7 @@ namespace taut::chart {
 
 namespace {
 
-constexpr int kSize = 72;
+constexpr int kSize = 64;
 const std::vector<int> kSamples{1, 4, 16, RenderSettings{}.spp};
 
 struct StudyScene {
@@ -159,18 +162,46 @@ Panel panelOf(const std::string &name, const std::string &title, const std::stri
     return panel;
 }
 
-/// How much longer one series takes to reach the last error of another, by straight lines through its last points in logarithms.
+/// How much longer one series takes to reach the last error of another.
 double timeRatio(const Panel &panel, const std::string &slower, const std::string &ours) {
-    std::vector<Point> line;
+    std::vector<ErrorPoint> curve; // over time
     Point target;
     for (const Point &p : panel.points) {
-        if (p.series == slower) line.push_back(p);
+        if (p.series == slower) curve.push_back({p.x.value, p.y.value});
         if (p.series == ours) target = p;
     }
-    const Point &a = line[line.size() - 2];
-    const Point &b = line.back();
-    const double u = std::log(target.y.value / a.y.value) / std::log(b.y.value / a.y.value);
-    return a.x.value * std::pow(b.x.value / a.x.value, u) / target.x.value;
+    return samplesToReach(curve, target.y.value) / target.x.value;
+}
+
+/// Cycles holds the gloss fixed as the mesh is deformed, and so do we here; both take turns. Scene and BVH stay in memory in both.
+Panel besideCycles(const StudyScene &study, const std::string &conditions, int reference, int rounds, const std::filesystem::path &folder) {
+    Scene scene = withoutWalk(study.scene);
+    for (Object &object : scene.objects) object.follow = false;
+    scene.materials[0].name = "metal";
+    scene.materials[1].name = "ground";
+    Panel panel = emptyPanel("cycles-" + study.name, study.title + ": Cycles",
+                             conditions + ", gloss held fixed; scene and BVH in memory; in Cycles nothing that trades truth for speed");
+    panel.x.name = "time of a render";
+    panel.hasFront = false;
+    RenderScene ready(scene, makePlan(scene, kDefaultTolerance), true);
+    std::filesystem::create_directories(folder);
+    writeCyclesScene(ready, tbb::info::default_concurrency(), folder);
+    CyclesPeer cycles(folder);
+    const std::vector<float> truth = renderReady(ready, reference, 1000).values;
+    std::vector<Measurement> ours(kSamples.size());
+    std::vector<Measurement> theirs(kSamples.size());
+    cycles.render({0, 1, 0, kSize, kSize, {}}); // its BVH
+    for (int round = 1; round <= rounds; ++round)
+        for (std::size_t k = 0; k < kSamples.size(); ++k) {
+            const RenderedImage image = renderReady(ready, kSamples[k], static_cast<std::uint32_t>(round));
+            ours[k].add(image.seconds, image.values, truth);
+            const CyclesRequest request{0, kSamples[k], round, kSize, kSize, folder / "cycles.exr"};
+            const CyclesTimes times = cycles.render(request);
+            theirs[k].add(times.seconds, readCyclesImage(request.output), truth);
+        }
+    addPoints(panel, "Taut", ours, true);
+    addPoints(panel, "Cycles", theirs, false);
+    return panel;
 }
 
 } // namespace
@@ -198,7 +229,7 @@ Chart measureRender(const ChartOptions &options) {
     std::vector<Panel> samplers;
     std::vector<Panel> beside;
     std::string times;
-    const std::string why = whyNoCycles();
+    const bool cycles = hasBlender();
     const std::filesystem::path folder = options.directory / "cycles";
     for (const StudyScene &s : studyScenes()) {
         const std::string conditions = conditionsOf(s.scene, reference);
@@ -206,21 +237,11 @@ Chart measureRender(const ChartOptions &options) {
         models.push_back(panelOf(s.name, s.title, conditions, ways, measureWays(s.scene, ways, reference, rounds)));
         const Scene single = withoutWalk(s.scene);
         const std::vector<Way> others = samplersOf(single);
-        const Study study = measureWays(single, others, reference, rounds);
         const std::string same = conditions + "; one bounce on the microsurface, separable masking";
-        samplers.push_back(panelOf("samplers-" + s.name, s.title + ": samplers", same, others, study));
-        if (!why.empty()) continue;
-        beside.push_back(
-            emptyPanel("cycles-" + s.name, s.title + ": Cycles",
-                       same + "; Cycles: taut export's file, M at every hit by shader nodes, nothing that trades truth for speed"));
-        beside.back().hasFront = false;
-        addPoints(beside.back(), "Taut", study.ways[0], true);
-        std::vector<Measurement> theirs(kSamples.size());
-        const CyclesRenders renders = renderWithCycles(single, 1, kSamples, rounds, folder);
-        for (std::size_t k = 0; k < kSamples.size(); ++k)
-            for (const CyclesRenders::Timed &image : renders.bySamples.at(kSamples[k]))
-                theirs[k].add(image.seconds, image.values, study.truth);
-        addPoints(beside.back(), "Cycles", theirs, false);
+        samplers.push_back(
+            panelOf("samplers-" + s.name, s.title + ": samplers", same, others, measureWays(single, others, reference, rounds)));
+        if (!cycles) continue;
+        beside.push_back(besideCycles(s, same, reference, rounds, folder));
         times += (times.empty() ? "" : ", ") + digits(timeRatio(beside.back(), "Cycles", "Taut"), 2) + " (" + s.name + ")";
     }
     for (std::vector<Panel> *panels : {&models, &samplers, &beside})
@@ -229,8 +250,8 @@ Chart measureRender(const ChartOptions &options) {
         "Default: the plan, " + last +
         " samples, the cone where bounded caps would lose more than a tenth. What single scattering loses and what a fixed gloss gets "
         "wrong no number of samples mends. ";
-    chart.choice += why.empty() ? "To Taut's error at " + last + " samples Cycles takes " + times + " of Taut's time."
-                                : "Cycles is left out: " + why + ".";
+    chart.choice += cycles ? "To come to Taut's error at " + last + " samples Cycles needs " + times + " times Taut's time."
+                           : std::string("Cycles is left out: there is no blender on the PATH.");
     std::error_code ignored;
     std::filesystem::remove_all(folder, ignored);
     return chart;

@@ -14,7 +14,10 @@ RenderedImage renderReady(const RenderScene &ready, int spp, std::uint32_t seed)
     const FrameResult result = renderFrame(ready, options);
     RenderedImage image;
     image.seconds = image.render = watch.lap();
-    image.values = result.film.resolve();
+    const std::vector<float> values = result.film.resolve(); // R G B A
+    for (std::size_t i = 0; i < values.size(); i += 4)
+        image.values.insert(image.values.end(), values.begin() + static_cast<std::ptrdiff_t>(i),
+                            values.begin() + static_cast<std::ptrdiff_t>(i) + 3);
     return image;
 }
 
@@ -50,7 +53,6 @@ double relativeRms(std::span<const float> image, std::span<const float> referenc
     double difference = 0;
     double size = 0;
     for (std::size_t i = 0; i < image.size(); ++i) {
-        if (i % 4 == 3) continue; // alpha
         difference += sqr(static_cast<double>(image[i] - reference[i]));
         size += sqr(static_cast<double>(reference[i]));
     }
@@ -60,21 +62,21 @@ double relativeRms(std::span<const float> image, std::span<const float> referenc
 double relativeMse(std::span<const float> image, std::span<const float> reference) {
     const auto lit = [&](std::size_t pixel) {
         float sum = 0;
-        for (std::size_t c = 0; c < 3; ++c) sum += reference[4 * pixel + c] + image[4 * pixel + c];
+        for (std::size_t c = 0; c < 3; ++c) sum += reference[3 * pixel + c] + image[3 * pixel + c];
         return sum > 0;
     };
     double mean = 0;
     std::size_t count = 0;
-    for (std::size_t pixel = 0; pixel < image.size() / 4; ++pixel) {
+    for (std::size_t pixel = 0; pixel < image.size() / 3; ++pixel) {
         if (!lit(pixel)) continue;
-        for (std::size_t c = 0; c < 3; ++c) mean += static_cast<double>(reference[4 * pixel + c]);
+        for (std::size_t c = 0; c < 3; ++c) mean += static_cast<double>(reference[3 * pixel + c]);
         count += 3;
     }
     mean /= static_cast<double>(count);
     double sum = 0;
-    for (std::size_t pixel = 0; pixel < image.size() / 4; ++pixel) {
+    for (std::size_t pixel = 0; pixel < image.size() / 3; ++pixel) {
         if (!lit(pixel)) continue;
-        for (std::size_t c = 4 * pixel; c < 4 * pixel + 3; ++c)
+        for (std::size_t c = 3 * pixel; c < 3 * pixel + 3; ++c)
             sum += sqr(static_cast<double>(image[c] - reference[c])) / (sqr(static_cast<double>(reference[c])) + 0.01 * mean * mean);
     }
     return sum / static_cast<double>(count);

@@ -14,7 +14,7 @@ namespace taut::chart {
 
 /// One frame of a scene under a plan.
 struct RenderedImage {
-    std::vector<float> values; ///< R G B A, rows from the top
+    std::vector<float> values; ///< R G B, rows from the top
     double seconds = 0;        ///< all of it: topology, deformation, BVH, rendering
     double render = 0;         ///< the rendering alone
 };
@@ -26,7 +26,7 @@ RenderedImage renderReady(const RenderScene &ready, int spp, std::uint32_t seed)
 /// Whether two plans of a scene render it alike, whatever they do to BVHs.
 bool sameModels(const ScenePlan &a, const ScenePlan &b);
 
-/// Root mean square of the difference over that of the reference, colours alone.
+/// Root mean square of the difference over that of the reference.
 double relativeRms(std::span<const float> image, std::span<const float> reference);
 
 /// Mean over pixels and colours of the square of the difference, over the square of the reference plus a hundredth of its mean

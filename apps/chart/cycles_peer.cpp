@@ -1,4 +1,4 @@
-#include "cycles_peer.h"
+#include "chart/cycles_peer.h"
 
 #include "taut/base/error.h"
 #include "taut/render/image_file.h"
@@ -10,12 +10,13 @@
 #include <cstdlib>
 #include <fcntl.h>
 #include <fstream>
+#include <map>
 #include <spawn.h>
 #include <sstream>
 #include <sys/wait.h>
 #include <unistd.h>
 
-namespace taut::bench {
+namespace taut::chart {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
@@ -128,6 +129,18 @@ void writeCyclesScene(RenderScene &ready, int threads, const fs::path &folder) {
     writeTextFile((folder / "scene.json").string(), description.dump(1) + "\n");
 }
 
+std::vector<float> readCyclesImage(const fs::path &file) {
+    const Image image = readImage(file.string());
+    if (image.channels.size() < 3) throw RunError("Cycles wrote an image of fewer than three channels");
+    const std::size_t stride = image.channels.size();
+    std::map<std::string, std::size_t> places;
+    for (std::size_t c = 0; c < stride; ++c) places[image.channels[c]] = c;
+    std::vector<float> rgb;
+    for (std::size_t i = 0; i < image.values.size(); i += stride)
+        for (const char *name : {"R", "G", "B"}) rgb.push_back(image.values[i + places.at(name)]);
+    return rgb;
+}
+
 struct CyclesPeer::Process {
     pid_t id = 0;
     FILE *requests = nullptr;
@@ -192,4 +205,4 @@ CyclesTimes CyclesPeer::render(const CyclesRequest &request) {
     return {answer["seconds"], answer["peak_mb"]};
 }
 
-} // namespace taut::bench
+} // namespace taut::chart

@@ -9,13 +9,13 @@
 #include <string>
 #include <vector>
 
-namespace taut::bench {
+namespace taut::chart {
 
 /// Whether a `blender` is on the PATH.
 bool hasBlender();
 
 /// Writes the scene's meshes at all its frames, its environment and a description (scene.json) into a folder that exists. Reads
-/// what the benchmark's scenes use: untextured conductors of reflectance 1, dielectrics and diffuse surfaces, quad lights, an
+/// what the scenes of benchmark and charts use: untextured conductors of reflectance 1, dielectrics and diffuse surfaces, quad lights, an
 /// environment, a fixed pinhole camera. Leaves `ready` at the last frame. Threads: as many as Cycles shall use.
 void writeCyclesScene(RenderScene &ready, int threads, const std::filesystem::path &folder);
 
@@ -26,6 +26,9 @@ struct CyclesRequest {
     int width = 1, height = 1;
     std::filesystem::path output; ///< EXR; empty: nothing is kept
 };
+
+/// Red, green and blue of an image that Cycles wrote, rows from the top. Throws RunError where it has fewer channels.
+std::vector<float> readCyclesImage(const std::filesystem::path &file);
 
 struct CyclesTimes {
     double seconds = 0; ///< of the render: bringing its scene up to date, if it changed, and tracing
@@ -48,4 +51,4 @@ class CyclesPeer {
     std::unique_ptr<Process> process_;
 };
 
-} // namespace taut::bench
+} // namespace taut::chart
