@@ -3,6 +3,7 @@
 
 #include "../apps/tables/energy_fit.h"
 
+#include "taut/base/frame.h"
 #include "taut/bsdf/bsdf.h"
 
 #include <catch2/catch.hpp>
