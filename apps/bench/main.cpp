@@ -70,18 +70,20 @@ double millions(const nlohmann::json &scene, const char *name) {
 }
 
 void printHeader() {
-    fmt::print("{:<16} {:>8} {:>7} {:>7} {:>17} {:>17} {:>7} {:>7} |{:>6} {:>5} {:>5} {:>5} {:>5} {:>5}\n", "scene", "Msampl/s", "Mrays/s",
-               "Embree", "ratio (quartiles)", "to Cycles", "peak MB", "Cycles", "deform", "grad", "bvh", "trav", "shade", "film");
+    fmt::print("{:<16} {:>8} {:>7} {:>7} {:>17} {:>17} {:>7} {:>7} |{:>6} {:>5} {:>5} {:>5} {:>5} {:>5} {:>9}\n", "scene", "Msampl/s",
+               "Mrays/s", "Embree", "ratio (quartiles)", "to Cycles", "peak MB", "Cycles", "deform", "grad", "bvh", "trav", "shade", "film",
+               "update ms");
     std::fflush(stdout);
 }
 
 void printRow(const nlohmann::json &s) {
     const auto share = [&](const char *name) { return 100 * s["share"][name].get<double>(); };
-    fmt::print(
-        "{:<16} {:>8.3f} {:>7.2f} {:>7.2f} {:>17} {:>17} {:>7.0f} {:>7} |{:>5.1f}% {:>4.1f}% {:>4.1f}% {:>4.0f}% {:>4.0f}% {:>4.1f}%\n",
-        s["name"].get<std::string>(), millions(s, "samples_per_s"), millions(s, "rays_per_s"), millions(s, "embree_rays_per_s"),
-        ratio(s, "ratio_to_embree"), ratio(s, "ratio_to_cycles"), s["peak_mb"].get<double>(), number(s["cycles_peak_mb"], 0),
-        share("deformation"), share("gradient"), share("bvh"), share("traversal"), share("shading"), share("film"));
+    fmt::print("{:<16} {:>8.3f} {:>7.2f} {:>7.2f} {:>17} {:>17} {:>7.0f} {:>7} |{:>5.1f}% {:>4.1f}% {:>4.1f}% {:>4.0f}% {:>4.0f}% "
+               "{:>4.1f}% {:>9.1f}\n",
+               s["name"].get<std::string>(), millions(s, "samples_per_s"), millions(s, "rays_per_s"), millions(s, "embree_rays_per_s"),
+               ratio(s, "ratio_to_embree"), ratio(s, "ratio_to_cycles"), s["peak_mb"].get<double>(), number(s["cycles_peak_mb"], 0),
+               share("deformation"), share("gradient"), share("bvh"), share("traversal"), share("shading"), share("film"),
+               1e3 * s["update_seconds_per_frame"].get<double>());
     std::fflush(stdout);
 }
 
