@@ -122,7 +122,7 @@ void addWalter(Chart &chart, const Environment &sky, const ChartOptions &options
         writeStrip(options.directory, "talk_walter_picture",
                    "Alpha (0.4, 0.15). From left: Walter 2007; M; their difference, black within noise: " + digits(100 * apart) +
                        " % RMS, where two pictures by M differ by " + digits(100 * noise) + " %.",
-                   {a, b, difference(a, b, 1)}, kBall, exposureOf(b), 1));
+                   {a, b, difference(a, b, 1)}, kBall, exposureOf(b), 2));
     Panel panel = ballPanel("walter", "Walter 2007 and M");
     panel.conditions =
         "A ball of alpha (0.4, 0.15); all normals by either formulation, both with separable masking; against a picture of " +
