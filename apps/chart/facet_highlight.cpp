@@ -32,10 +32,10 @@ View viewOf(int pixel, const Vec2 &u) {
 
 /// A picture, pixel by pixel: `mean`(pixel) is its radiance.
 template <class Mean> Pixels picture(const Mean &mean) {
-    Pixels pixels(4 * std::size_t{kHighlightSize} * kHighlightSize, 1.0F);
-    parallelFor(pixels.size() / 4, 16, [&](std::size_t i) {
+    Pixels pixels(3 * std::size_t{kHighlightSize} * kHighlightSize, 1.0F);
+    parallelFor(pixels.size() / 3, 16, [&](std::size_t i) {
         const auto value = static_cast<float>(mean(static_cast<int>(i)));
-        pixels[4 * i] = pixels[4 * i + 1] = pixels[4 * i + 2] = value;
+        pixels[3 * i] = pixels[3 * i + 1] = pixels[3 * i + 2] = value;
     });
     return pixels;
 }

@@ -138,7 +138,7 @@ Chart measureMicrogeometry(const ChartOptions &options) {
                    "independent, which "
                    "those of a heightfield are not quite.";
     const std::vector<std::size_t> facets =
-        quick ? std::vector<std::size_t>{10000, 50000, 250000} : std::vector<std::size_t>{10000, 100000, 1000000, 4000000};
+        quick ? std::vector<std::size_t>{50000, 100000, 250000} : std::vector<std::size_t>{10000, 100000, 1000000, 4000000};
     for (const Deformation &deformation : kDeformations) {
         addHistogram(chart, deformation, facets, quick ? 5 : 15);
         addHistogramPicture(chart, deformation, quick ? 1000000 : 10000000, options.directory);

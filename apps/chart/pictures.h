@@ -7,7 +7,7 @@
 
 namespace taut::chart {
 
-/// An image as renders are kept: R G B A, linear, rows from the top.
+/// An image as renders are kept: R G B, linear, rows from the top.
 using Pixels = std::vector<float>;
 
 /// What brings the brightest hundredth of an image to white.

@@ -50,6 +50,17 @@ std::vector<PlotLabel> placeLabels(const Panel &panel, const std::vector<std::si
             taken.push_back({mark.x, (low + high) / 2, 4, (high - low) / 2 + 2});
         }
     }
+    if (panel.joined) // lines, by boxes along them
+        for (std::size_t i = 0; i < panel.points.size(); ++i)
+            for (std::size_t j = i + 1; j < panel.points.size(); ++j) {
+                if (panel.points[j].series != panel.points[i].series) continue;
+                constexpr int kParts = 24;
+                for (int k = 1; k < kParts; ++k) {
+                    const double t = static_cast<double>(k) / kParts;
+                    taken.push_back({taken[i].x + t * (taken[j].x - taken[i].x), taken[i].y + t * (taken[j].y - taken[i].y), 2, 2});
+                }
+                break;
+            }
     // The front's steps: across at one point's error, then down to the next.
     for (std::size_t i = 0; i + 1 < front.size(); ++i) {
         const Box a = taken[front[i]];

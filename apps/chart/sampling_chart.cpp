@@ -83,6 +83,7 @@ void addSurface(Chart &chart, const Surface &surface, bool quick) {
     times.title = std::string("Time against angle, ") + surface.title;
     times.hasFront = false;
     times.joined = true;
+    times.labelled = false; // the axis says the same
     times.x = {"view", "degrees", false};
     times.y = all.x;
     Panel shares = times;
@@ -95,6 +96,7 @@ void addSurface(Chart &chart, const Surface &surface, bool quick) {
         const double share = row.tally.rejected();
         const Measured rejected{share, std::sqrt(share * (1 - share) / row.tally.samples), static_cast<int>(u.size())};
         const Measured theta{static_cast<double>(surface.thetas[row.theta])};
+        const std::string angle = std::to_string(static_cast<int>(surface.thetas[row.theta]));
         const auto named = [&](const Point &p) { return p.series == row.sampler; };
         auto mean = std::find_if(all.points.begin(), all.points.end(), named);
         if (mean == all.points.end())
@@ -104,8 +106,8 @@ void addSurface(Chart &chart, const Surface &surface, bool quick) {
         mean->x.spread += part * perValid.spread;
         mean->y.value += part * rejected.value;
         mean->y.spread = std::hypot(mean->y.spread, part * rejected.spread);
-        times.points.push_back({row.sampler, "", theta, perValid, row.isDefault});
-        shares.points.push_back({row.sampler, "", theta, rejected, row.isDefault});
+        times.points.push_back({row.sampler, angle, theta, perValid, row.isDefault});
+        shares.points.push_back({row.sampler, angle, theta, rejected, row.isDefault});
     }
     for (Panel *panel : {&all, &times, &shares}) chart.panels.push_back(std::move(*panel));
 }

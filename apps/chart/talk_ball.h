@@ -59,8 +59,8 @@ struct TransformBy {
 
 /// size x size pixels; brushed around the upright axis.
 template <class Scatter> Pixels renderBall(const Scatter &scatter, const Environment &sky, int size, int spp, std::uint32_t seed) {
-    Pixels pixels(4 * static_cast<std::size_t>(size) * static_cast<std::size_t>(size), 1.0F);
-    parallelFor(pixels.size() / 4, 64, [&](std::size_t i) {
+    Pixels pixels(3 * static_cast<std::size_t>(size) * static_cast<std::size_t>(size), 1.0F);
+    parallelFor(pixels.size() / 3, 64, [&](std::size_t i) {
         const std::uint32_t name = hash(static_cast<std::uint32_t>(i), seed);
         const Vec2 corner(static_cast<float>(i % static_cast<std::size_t>(size)), static_cast<float>(i / static_cast<std::size_t>(size)));
         DVec3 sum(0);
@@ -77,7 +77,7 @@ template <class Scatter> Pixels renderBall(const Scatter &scatter, const Environ
             const float weight = scatter(frame.toLocal(Vec3(0, -1, 0)), sobol2(k, hash(name, 1)), wi);
             if (weight > 0) sum += static_cast<double>(weight) * DVec3(radiance(sky, frame.fromLocal(wi)));
         }
-        for (int c = 0; c < 3; ++c) pixels[4 * i + static_cast<std::size_t>(c)] = static_cast<float>(sum[c] / spp);
+        for (int c = 0; c < 3; ++c) pixels[3 * i + static_cast<std::size_t>(c)] = static_cast<float>(sum[c] / spp);
     });
     return pixels;
 }

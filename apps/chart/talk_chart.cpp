@@ -61,7 +61,7 @@ Panel ballPanel(const std::string &name, const std::string &title) {
 
 double meanOf(const Pixels &image) {
     double sum = 0;
-    for (std::size_t i = 0; i < image.size(); ++i) sum += i % 4 == 3 ? 0 : static_cast<double>(image[i]);
+    for (const float value : image) sum += static_cast<double>(value);
     return sum;
 }
 
@@ -122,7 +122,7 @@ void addWalter(Chart &chart, const Environment &sky, const ChartOptions &options
         writeStrip(options.directory, "talk_walter_picture",
                    "Alpha (0.4, 0.15). From left: Walter 2007; M; their difference, black within noise: " + digits(100 * apart) +
                        " % RMS, where two pictures by M differ by " + digits(100 * noise) + " %.",
-                   {a, b, difference(a, b, 1)}, kBall, exposureOf(b), 1));
+                   {a, b, difference(a, b, 1)}, kBall, exposureOf(b), 2));
     Panel panel = ballPanel("walter", "Walter 2007 and M");
     panel.conditions =
         "A ball of alpha (0.4, 0.15); all normals by either formulation, both with separable masking; against a picture of " +
