@@ -31,6 +31,7 @@ TEST_CASE("Plans take what a field allows and no less", "[plan]") {
     CHECK(planned(scenes, "barely stretched torus", 0.01F).stretch == StretchModel::Constant);
     CHECK(planned(scenes, "barely stretched torus", 0.0001F).stretch == StretchModel::PerVertex);
     CHECK(planned(scenes, "sheared torus", 0.01F).stretch == StretchModel::PerVertex);
+    CHECK(planned(scenes, "sheared torus", 0.01F).estimator == GradientEstimator::Analytic);
     CHECK(planned(scenes, "smooth twisted torus", 0.01F).estimator == GradientEstimator::Analytic);
     CHECK(planned(scenes, "leaning block face", 0.01F).stretch == StretchModel::Leaning);
     CHECK(planned(scenes, "subdivided sheared torus", 0.01F).estimator == GradientEstimator::Limit);

@@ -43,15 +43,20 @@ struct RenderArguments {
     std::string stats;
 };
 
+/// The number that a text begins with, and how many of its characters that is: 0 where there is none.
+double leadingNumber(const std::string &text, std::size_t &used) {
+    try {
+        return std::stod(text, &used);
+    } catch (const std::exception &) {
+        used = 0;
+        return 0;
+    }
+}
+
 /// "90s", "5m", "1h" or plain seconds.
 double parseDuration(const std::string &text) {
     std::size_t used = 0;
-    double value = 0;
-    try {
-        value = std::stod(text, &used);
-    } catch (const std::exception &) {
-        used = 0;
-    }
+    const double value = leadingNumber(text, used);
     const std::string unit = text.substr(used);
     static const std::map<std::string, double> kUnits{{"", 1}, {"s", 1}, {"m", 60}, {"h", 3600}};
     const auto found = kUnits.find(unit);
@@ -63,12 +68,7 @@ double parseDuration(const std::string &text) {
 /// A relative noise level above 0 and below 1.
 double parseNoise(const std::string &text) {
     std::size_t used = 0;
-    double value = 0;
-    try {
-        value = std::stod(text, &used);
-    } catch (const std::exception &) {
-        used = 0;
-    }
+    const double value = leadingNumber(text, used);
     if (used == 0 || used != text.size() || !(value > 0 && value < 1))
         failInput({"--noise"}, quoted(text), "a relative noise level above 0 and below 1 such as 0.01");
     return value;

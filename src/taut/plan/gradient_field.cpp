@@ -83,15 +83,7 @@ void GradientField::add(const ObjectSurface &object) {
 }
 
 GradientField measureGradientField(const Object &object, int subdivisionLevel, std::span<const int> frames, double fps) {
-    GradientField field;
-    ObjectSurface surface;
-    prepareObjectSurface(object, fps, defaultEstimator(object), subdivisionLevel, surface);
-    double ignored = 0;
-    for (const int frame : frames) {
-        deformAtFrame(surface, frame, fps, DMat4(1), ignored, ignored);
-        field.add(surface);
-    }
-    return field;
+    return measureOverFrames<GradientField>(object, subdivisionLevel, frames, fps);
 }
 
 } // namespace taut

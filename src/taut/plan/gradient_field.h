@@ -25,7 +25,21 @@ struct GradientField {
     void add(const ObjectSurface &object);
 };
 
-/// Evaluates the object, refined to a level, at each of the frames, in world space.
+/// Adds the object, refined to a level, as it stands at each of the frames, in world space, to a measurement.
+template <class Measurement>
+Measurement measureOverFrames(const Object &object, int subdivisionLevel, std::span<const int> frames, double fps) {
+    Measurement measurement;
+    ObjectSurface surface;
+    prepareObjectSurface(object, fps, defaultEstimator(object), subdivisionLevel, surface);
+    double ignored = 0;
+    for (const int frame : frames) {
+        deformAtFrame(surface, frame, fps, DMat4(1), ignored, ignored);
+        measurement.add(surface);
+    }
+    return measurement;
+}
+
+/// The gradient field over the frames.
 GradientField measureGradientField(const Object &object, int subdivisionLevel, std::span<const int> frames, double fps);
 
 } // namespace taut

@@ -1,6 +1,7 @@
 #include "taut/plan/refinement_error.h"
 
 #include "taut/deform/stretch.h"
+#include "taut/plan/gradient_field.h"
 
 #include <algorithm>
 
@@ -76,15 +77,7 @@ void RefinementError::add(const ObjectSurface &object) {
 }
 
 RefinementError measureRefinement(const Object &object, int level, std::span<const int> frames, double fps) {
-    RefinementError error;
-    ObjectSurface surface;
-    prepareObjectSurface(object, fps, defaultEstimator(object), level, surface);
-    double ignored = 0;
-    for (const int frame : frames) {
-        deformAtFrame(surface, frame, fps, DMat4(1), ignored, ignored);
-        error.add(surface);
-    }
-    return error;
+    return measureOverFrames<RefinementError>(object, level, frames, fps);
 }
 
 } // namespace taut
