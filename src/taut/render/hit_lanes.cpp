@@ -2,6 +2,7 @@
 
 #include "taut/base/sobol.h"
 #include "taut/bsdf/bsdf.h"
+#include "taut/render/roulette.h"
 #include "taut/scene/material_gloss.h"
 
 namespace taut {
@@ -86,7 +87,7 @@ TAUT_INLINE void viewLoop(HitLanes &l, float bearableWaste) {
     }
 }
 
-TAUT_INLINE void numbersLoop(HitLanes &l, const EventNumbers &numbers, bool rouletteOn) {
+TAUT_INLINE void numbersLoop(HitLanes &l, const EventNumbers &numbers) {
     const int count = l.padded();
 #pragma GCC ivdep
     for (int i = 0; i < count; ++i) {
@@ -101,10 +102,6 @@ TAUT_INLINE void numbersLoop(HitLanes &l, const EventNumbers &numbers, bool roul
         l.scatterU[i] = scattered.x;
         l.scatterV[i] = scattered.y;
         l.coin[i] = sobol1(l.sample[i], hash(l.seed[i], numbers.scatterLobe));
-    }
-    if (!rouletteOn) {
-        for (int i = 0; i < count; ++i) l.roulette[i] = 0;
-        return;
     }
 #pragma GCC ivdep
     for (int i = 0; i < count; ++i) l.roulette[i] = sobol1(l.sample[i], hash(l.seed[i], numbers.roulette));
@@ -170,7 +167,7 @@ template <PlainKind kKind> TAUT_INLINE void directionLoop(HitLanes &l) {
     }
 }
 
-template <PlainKind kKind, bool kCorrelated> TAUT_INLINE void scatterLoop(HitLanes &l, const PlainMaterial &material, bool rouletteOn) {
+template <PlainKind kKind, bool kCorrelated> TAUT_INLINE void scatterLoop(HitLanes &l, const PlainMaterial &material) {
     const PlainMaterial m = material;
     const int count = l.padded();
 #pragma GCC ivdep
@@ -183,14 +180,13 @@ template <PlainKind kKind, bool kCorrelated> TAUT_INLINE void scatterLoop(HitLan
         const Vec3 direction = world * (1 / std::sqrt(glm::dot(world, world)));
         const float side = glm::dot(direction, l.geometricNormal.at(i));
         Vec3 throughput = l.throughput.at(i) * weight;
-        const float wanted = maxComponent(throughput) * l.etaScale[i];
-        const float survive = !rouletteOn ? 1.0F : wanted < 0.95F ? wanted : 0.95F;
-        throughput *= 1 / (survive > 0 ? survive : 1.0F);
+        const float chance = chanceToGoOn(throughput, l.etaScale[i]);
+        throughput *= 1 / (chance > 0 ? chance : 1.0F);
         l.nextThroughput.set(i, throughput);
         l.nextDirection.set(i, direction);
         l.nextOrigin.set(i, l.position.at(i) + l.geometricNormal.at(i) * l.clearance[i]);
         l.scatterPdf[i] = e.pdf;
-        l.goesOn[i] = std::min(std::min(e.pdf, side), survive - l.roulette[i]);
+        l.goesOn[i] = std::min(std::min(e.pdf, side), chance - l.roulette[i]);
     }
 }
 
@@ -206,13 +202,13 @@ template <class Loop> TAUT_INLINE void byKind(PlainKind kind, const Loop &loop) 
         [[gnu::flatten __VA_ARGS__]] static void geometry(HitLanes &l) { geometryLoop(l); }                                                \
         [[gnu::flatten __VA_ARGS__]] static void micro(HitLanes &l, const PlainMaterial &m) { microLoop(l, m); }                           \
         [[gnu::flatten __VA_ARGS__]] static void view(HitLanes &l, float waste) { viewLoop(l, waste); }                                    \
-        [[gnu::flatten __VA_ARGS__]] static void numbers(HitLanes &l, const EventNumbers &e, bool r) { numbersLoop(l, e, r); }             \
+        [[gnu::flatten __VA_ARGS__]] static void numbers(HitLanes &l, const EventNumbers &e) { numbersLoop(l, e); }                        \
         template <PlainKind kKind>[[gnu::flatten __VA_ARGS__]] static void connect(HitLanes &l, const PlainMaterial &m) {                  \
             m.correlated ? connectLoop<kKind, true>(l, m) : connectLoop<kKind, false>(l, m);                                               \
         }                                                                                                                                  \
         template <PlainKind kKind>[[gnu::flatten __VA_ARGS__]] static void direction(HitLanes &l) { directionLoop<kKind>(l); }             \
-        template <PlainKind kKind>[[gnu::flatten __VA_ARGS__]] static void scatter(HitLanes &l, const PlainMaterial &m, bool r) {          \
-            m.correlated ? scatterLoop<kKind, true>(l, m, r) : scatterLoop<kKind, false>(l, m, r);                                         \
+        template <PlainKind kKind>[[gnu::flatten __VA_ARGS__]] static void scatter(HitLanes &l, const PlainMaterial &m) {                  \
+            m.correlated ? scatterLoop<kKind, true>(l, m) : scatterLoop<kKind, false>(l, m);                                               \
         }                                                                                                                                  \
     };
 TAUT_FOR_INSTRUCTION_SETS(TAUT_LOOPS)
@@ -256,11 +252,11 @@ bool isPlain(const RenderObject &object) {
            object.placements.size() <= 1 && stretchAsItIs;
 }
 
-void view(HitLanes &lanes, const PlainMaterial &material, const EventNumbers &numbers, bool rouletteOn, Instructions instructions) {
+void view(HitLanes &lanes, const PlainMaterial &material, const EventNumbers &numbers, Instructions instructions) {
     onInstructions(instructions, [&](auto loops) {
         using Loops = decltype(loops);
         Loops::geometry(lanes);
-        Loops::numbers(lanes, numbers, rouletteOn);
+        Loops::numbers(lanes, numbers);
         if (material.kind == PlainKind::Diffuse) return;
         Loops::micro(lanes, material);
         for (int i = 0; i < lanes.padded(); ++i) {
@@ -286,7 +282,7 @@ void connect(HitLanes &lanes, const PlainMaterial &material, Instructions instru
     });
 }
 
-void scatter(HitLanes &lanes, const PlainMaterial &material, bool rouletteOn, Instructions instructions) {
+void scatter(HitLanes &lanes, const PlainMaterial &material, Instructions instructions) {
     onInstructions(instructions, [&](auto loops) {
         using Loops = decltype(loops);
         byKind(material.kind, [&](auto kind) { Loops::template direction<kind()>(lanes); });
@@ -297,7 +293,7 @@ void scatter(HitLanes &lanes, const PlainMaterial &material, bool rouletteOn, In
                 const auto wi = sampler.sample({lanes.scatterU[i], lanes.scatterV[i]}, lanes.coin[i]);
                 lanes.scatterLocal.set(static_cast<std::size_t>(i), wi.value_or(Vec3(0, 0, -1)));
             }
-        byKind(material.kind, [&](auto kind) { Loops::template scatter<kind()>(lanes, material, rouletteOn); });
+        byKind(material.kind, [&](auto kind) { Loops::template scatter<kind()>(lanes, material); });
     });
 }
 

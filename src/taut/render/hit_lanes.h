@@ -98,10 +98,9 @@ struct EventNumbers {
     std::uint32_t scatterDirection, scatterLobe, lightPoint, lightChoice, roulette;
 };
 
-/// Fills what follows the gathered part, for event number `numbers`. `rouletteOn`: whether scatter() will play it.
-void view(HitLanes &lanes, const PlainMaterial &material, const EventNumbers &numbers, bool rouletteOn,
-          Instructions instructions = widest());
+/// Fills what follows the gathered part, for event number `numbers`.
+void view(HitLanes &lanes, const PlainMaterial &material, const EventNumbers &numbers, Instructions instructions = widest());
 void connect(HitLanes &lanes, const PlainMaterial &material, Instructions instructions = widest());
-void scatter(HitLanes &lanes, const PlainMaterial &material, bool rouletteOn, Instructions instructions = widest());
+void scatter(HitLanes &lanes, const PlainMaterial &material, Instructions instructions = widest());
 
 } // namespace taut

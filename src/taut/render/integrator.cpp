@@ -4,6 +4,7 @@
 #include "taut/base/warp.h"
 #include "taut/render/aov.h"
 #include "taut/render/hit_lanes.h"
+#include "taut/render/roulette.h"
 
 #include <algorithm>
 #include <chrono>
@@ -16,8 +17,6 @@ namespace {
 constexpr int kBlock = 4;
 /// Most paths in flight a thread.
 constexpr int kMostPaths = 2048;
-/// Scattering events before Russian roulette sets in.
-constexpr int kRouletteStart = 3;
 
 /// Dimensions of the sample sequence: two for the camera, then these per event.
 enum Dimension : std::uint32_t { kFilterDimension, kLensDimension, kEventDimensions };
@@ -270,11 +269,9 @@ void PathTracer::State::shade(int event, Index index, const Ray &ray, const Hit 
     path.throughput *= sampled->weight;
     path.etaScale *= sampled->etaScale;
     path.scatterPdf = sampled->pdf;
-    if (event + 1 >= kRouletteStart) {
-        const float survive = std::min(0.95F, maxComponent(path.throughput) * path.etaScale);
-        if (!(random1(path, dimensionOf(event, kRoulette)) < survive)) return;
-        path.throughput *= 1 / survive;
-    }
+    const float chance = chanceToGoOn(path.throughput, path.etaScale);
+    if (!(random1(path, dimensionOf(event, kRoulette)) < chance)) return;
+    path.throughput *= 1 / chance;
     Ray next;
     next.origin = offsetOrigin(point, side > 0);
     next.direction = direction;
@@ -370,10 +367,9 @@ void PathTracer::State::shadeAtOnce(int event, const PlainMaterial &material, st
     const auto padded = static_cast<std::size_t>(l.padded());
     for (const Index i : chunk) prefetch(i);
     for (std::size_t k = 0; k < padded; ++k) gather(k, chunk[k < chunk.size() ? k : 0]);
-    const bool rouletteOn = event + 1 >= kRouletteStart;
     const EventNumbers numbers{dimensionOf(event, kScatterDirection), dimensionOf(event, kScatterLobe), dimensionOf(event, kLightPoint),
                                dimensionOf(event, kLightChoice), dimensionOf(event, kRoulette)};
-    view(l, material, numbers, rouletteOn);
+    view(l, material, numbers);
     for (std::size_t k = 0; k < padded; ++k) {
         const LightSample light =
             sampleLight(scene.lights(), l.position.at(k), paths[l.path[k]].time, l.lightChoice[k], {l.lightU[k], l.lightV[k]});
@@ -384,7 +380,7 @@ void PathTracer::State::shadeAtOnce(int event, const PlainMaterial &material, st
         lightDistances[k] = light.distance;
     }
     connect(l, material);
-    scatter(l, material, rouletteOn);
+    scatter(l, material);
     for (std::size_t k = 0; k < chunk.size(); ++k) {
         Path &path = paths[l.path[k]];
         if (l.connects[k] > 0) {
