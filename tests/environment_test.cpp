@@ -240,3 +240,31 @@ TEST_CASE("the built-in studio", "[environment]") {
     CHECK(luminance(e.mean) > 0.2F);
     CHECK(luminance(e.mean) < 2);
 }
+
+TEST_CASE("environments give many lanes what they give one", "[environment][batch]") {
+    for (const Environment &e : {harshEnvironment(), harshEnvironment(7, 5, -9.1), constantEnvironment(Vec3(2)), studioEnvironment()})
+        for (const Instructions set : {Instructions::Sse2, Instructions::Avx2, Instructions::Avx512}) {
+            EnvironmentLanes drawn;
+            EnvironmentLanes met;
+            drawn.count = met.count = 61;
+            for (std::size_t i = 0; i < 61; ++i) {
+                drawn.u[i] = i == 0 ? 0.0F : i == 1 ? kOneMinusEpsilon : static_cast<float>(i * 37 % 61) / 61;
+                drawn.v[i] = i == 2 ? 0.0F : i == 3 ? kOneMinusEpsilon : static_cast<float>(i) / 61;
+                const double azimuth = 0.1 * static_cast<double>(i);
+                met.direction.set(i, i == 0   ? Vec3(0, 0, 1)
+                                     : i == 1 ? Vec3(-1, 0, 0)
+                                              : directionAt(1 - static_cast<double>(i) / 30, azimuth));
+            }
+            sample(e, drawn, set);
+            lookup(e, met, set);
+            for (std::size_t i = 0; i < 61; ++i) {
+                const EnvironmentSample one = sample(e, {drawn.u[i], drawn.v[i]});
+                CHECK(drawn.direction.at(i) == one.direction);
+                CHECK(drawn.radiance.at(i) == one.radiance);
+                CHECK(drawn.pdf[i] == one.pdf);
+                const EnvironmentLookup seen = lookup(e, met.direction.at(i));
+                CHECK(met.radiance.at(i) == seen.radiance);
+                CHECK(met.pdf[i] == seen.pdf);
+            }
+        }
+}

@@ -276,6 +276,39 @@ void view(HitLanes &lanes, const PlainMaterial &material, const EventNumbers &nu
     });
 }
 
+void aim(HitLanes &l, const LightTable &lights) {
+    std::size_t lanesOfSky[HitLanes::kSize];
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(l.padded()); ++i) {
+        const LightChoice choice = chooseLight(lights, l.position.at(i), l.lightChoice[i]);
+        if (choice.entry != kNone && choice.entry == lights.environmentEntry) {
+            l.sky.u[count] = l.lightU[i];
+            l.sky.v[count] = l.lightV[i];
+            l.lightPdf[i] = choice.probability;
+            l.lightWeighted[i] = 1;
+            l.lightDistance[i] = kInfinity;
+            lanesOfSky[count++] = i;
+            continue;
+        }
+        const LightSample light = sampleLight(lights, choice, l.position.at(i), l.time[i], {l.lightU[i], l.lightV[i]});
+        l.lightDirection.set(i, light.direction);
+        l.lightRadiance.set(i, light.radiance);
+        l.lightPdf[i] = light.pdf;
+        l.lightWeighted[i] = light.delta ? 0.0F : 1.0F;
+        l.lightDistance[i] = light.distance;
+    }
+    if (count == 0) return;
+    l.sky.count = static_cast<int>(count);
+    sample(*lights.environment, l.sky);
+    const Mat3 renderFromWorld = glm::transpose(lights.worldFromRender);
+    for (std::size_t k = 0; k < count; ++k) {
+        const std::size_t i = lanesOfSky[k];
+        l.lightDirection.set(i, renderFromWorld * l.sky.direction.at(k));
+        l.lightRadiance.set(i, l.sky.radiance.at(k));
+        l.lightPdf[i] *= l.sky.pdf[k];
+    }
+}
+
 void connect(HitLanes &lanes, const PlainMaterial &material, Instructions instructions) {
     onInstructions(instructions, [&](auto loops) {
         byKind(material.kind, [&](auto kind) { decltype(loops)::template connect<kind()>(lanes, material); });

@@ -6,26 +6,16 @@
 /// textures, Poisson's ratio 0. A mesh is plain where it does not emit, lean or move while the shutter is open and V is interpolated as
 /// it is. All others go one by one (shading.h).
 ///
-/// The order of a batch: gather (integrator.cpp), view(), light samples, connect(), scatter().
+/// The order of a batch: gather (integrator.cpp), view(), aim(), connect(), scatter().
 
 #include "taut/base/instructions.h"
+#include "taut/base/lanes.h"
 #include "taut/microsurface/reflection_sampler.h"
 #include "taut/render/shading.h"
 
 #include <vector>
 
 namespace taut {
-
-/// Lanes of vectors.
-template <int kSize> struct Lanes3 {
-    float x[kSize], y[kSize], z[kSize];
-    [[nodiscard]] Vec3 at(std::size_t i) const { return {x[i], y[i], z[i]}; }
-    void set(std::size_t i, const Vec3 &v) {
-        x[i] = v.x;
-        y[i] = v.y;
-        z[i] = v.z;
-    }
-};
 
 /// Up to kSize hits on one material. Directions called local are in the shading frame.
 struct alignas(64) HitLanes {
@@ -43,7 +33,7 @@ struct alignas(64) HitLanes {
     int deforms[kSize];            ///< 0: V is the identity, whatever those hold
     Vectors wo;                    ///< render space
     Vectors throughput;
-    float etaScale[kSize];
+    float etaScale[kSize], time[kSize];
     std::uint32_t sample[kSize], seed[kSize];
     Index path[kSize];
 
@@ -59,9 +49,10 @@ struct alignas(64) HitLanes {
     std::vector<ReflectionSampler> cones;
     float lightChoice[kSize], lightU[kSize], lightV[kSize], scatterU[kSize], scatterV[kSize], coin[kSize], roulette[kSize];
 
-    // Light samples, render space; pdf 0: none. `weighted` is 0 for lights that no scattered ray can meet.
+    // aim(): light samples, render space; pdf 0: none. `weighted` is 0 for lights that no scattered ray can meet.
     Vectors lightDirection, lightRadiance;
-    float lightPdf[kSize], lightWeighted[kSize];
+    float lightPdf[kSize], lightWeighted[kSize], lightDistance[kSize];
+    EnvironmentLanes sky; ///< those that go there
 
     // connect(): a shadow ray's start and what it would bring; nothing but where `connects` > 0.
     Vectors shadowOrigin, contribution;
@@ -100,6 +91,7 @@ struct EventNumbers {
 
 /// Fills what follows the gathered part, for event number `numbers`.
 void view(HitLanes &lanes, const PlainMaterial &material, const EventNumbers &numbers, Instructions instructions = widest());
+void aim(HitLanes &lanes, const LightTable &lights);
 void connect(HitLanes &lanes, const PlainMaterial &material, Instructions instructions = widest());
 void scatter(HitLanes &lanes, const PlainMaterial &material, Instructions instructions = widest());
 

@@ -1,8 +1,8 @@
 #include "taut/render/integrator.h"
 
 #include "taut/base/sobol.h"
-#include "taut/base/warp.h"
 #include "taut/render/aov.h"
+#include "taut/render/camera_rays.h"
 #include "taut/render/hit_lanes.h"
 #include "taut/render/roulette.h"
 
@@ -18,10 +18,7 @@ constexpr int kBlock = 4;
 /// Most paths in flight a thread.
 constexpr int kMostPaths = 2048;
 
-/// Dimensions of the sample sequence: two for the camera, then these per event.
-enum Dimension : std::uint32_t { kFilterDimension, kLensDimension, kEventDimensions };
-/// The time within the shutter has a number of its own, so that events keep theirs with and without motion blur.
-constexpr std::uint32_t kTimeDimension = 0x40000000U;
+/// Dimensions of the sample sequence that every event draws.
 enum EventDimension : std::uint32_t { kScatterDirection, kScatterLobe, kLightPoint, kLightChoice, kRoulette, kPerEvent };
 
 struct Path {
@@ -41,15 +38,6 @@ struct ShadowTest {
     Index path;
     Vec3 contribution;
 };
-
-/// The rigid motion between the two steps around a time: linear in place, in rotation by Gram-Schmidt of the linear mean.
-Affine rigidAt(const std::vector<Affine> &steps, float time) {
-    Affine m = affineAt(steps, time);
-    m[2] = glm::normalize(m[2]);
-    m[0] = glm::normalize(m[0] - m[2] * glm::dot(m[0], m[2]));
-    m[1] = glm::cross(m[2], m[0]);
-    return m;
-}
 
 double secondsSince(std::chrono::steady_clock::time_point &start) {
     const auto now = std::chrono::steady_clock::now();
@@ -71,14 +59,13 @@ RayCounts &RayCounts::operator+=(const RayCounts &other) {
 
 struct PathTracer::State {
     State(const RenderScene &scene_, const std::vector<PreparedMaterial> &materials_, const TraceSettings &settings_)
-        : scene(scene_), materials(materials_), settings(settings_),
-          pixelSize(static_cast<float>(2 * std::tan(0.5 * scene_.camera().fovY) / settings_.height)) {}
+        : scene(scene_), materials(materials_), settings(settings_) {}
 
     const RenderScene &scene;
     const std::vector<PreparedMaterial> &materials;
     TraceSettings settings;
-    float pixelSize; ///< at distance one
 
+    std::unique_ptr<CameraLanes> cameraLanes = std::make_unique<CameraLanes>();
     std::vector<Path> paths;
     std::vector<float> aovs; ///< [paths x channels]
     std::vector<Index> active, stillActive;
@@ -92,7 +79,9 @@ struct PathTracer::State {
     std::vector<unsigned char> plainObjects;   ///< [objects]
     std::vector<std::vector<Index>> waiting;   ///< [materials] hits of this event
     std::unique_ptr<HitLanes> lanes = std::make_unique<HitLanes>();
-    float lightDistances[HitLanes::kSize];
+
+    std::vector<Index> escaped; ///< positions in `active` of paths whose way out is still to be looked up
+    EnvironmentLanes sky;
 
     [[nodiscard]] Vec2 random2(const Path &path, std::uint32_t dimension) const { return sobol2(path.sample, hash(path.seed, dimension)); }
     [[nodiscard]] float random1(const Path &path, std::uint32_t dimension) const { return sobol1(path.sample, hash(path.seed, dimension)); }
@@ -101,13 +90,15 @@ struct PathTracer::State {
         return point.bsdf.multiscatter == Multiscatter::Walk ? hash(path.sample, hash(path.seed, ~dimension)) : 0;
     }
     static std::uint32_t dimensionOf(int event, EventDimension which) {
-        return kEventDimensions + static_cast<std::uint32_t>(event) * kPerEvent + which;
+        return kCameraDimensions + static_cast<std::uint32_t>(event) * kPerEvent + which;
     }
 
     void startPaths(const Window &tile, int firstSample, int lastSample);
-    [[nodiscard]] Ray cameraRay(const Path &path) const;
+    void addPaths();
     void shadeAll(int event, const std::vector<Aov> &wanted, int aovChannels);
-    void escape(Path &path, const Ray &ray) const;
+    void escape(std::size_t i);
+    void lookUpEscaped();
+    static void seeEnvironment(Path &path, const Vec3 &radiance, float lightPdf);
     /// Adds the quad and sphere lights on a ray's way; true where a camera ray ends on one.
     bool meetLights(Path &path, const Ray &ray, float farthest) const;
     void shade(int event, Index index, const Ray &ray, const Hit &hit, const std::vector<Aov> &wanted, int aovChannels);
@@ -132,58 +123,76 @@ void PathTracer::State::startPaths(const Window &tile, int firstSample, int last
     paths.clear();
     rays.clear();
     active.clear();
+    CameraLanes &l = *cameraLanes;
+    l.count = 0;
     for (int sample = firstSample; sample < lastSample; ++sample)
         for (int by = tile.y0; by < tile.y1; by += kBlock)
             for (int bx = tile.x0; bx < tile.x1; bx += kBlock)
                 for (int y = by; y < std::min(by + kBlock, tile.y1); ++y)
                     for (int x = bx; x < std::min(bx + kBlock, tile.x1); ++x) {
-                        Path path;
-                        path.x = x;
-                        path.y = y;
-                        path.sample = static_cast<std::uint32_t>(sample);
-                        path.seed = hash(static_cast<std::uint32_t>(x) + 0x10000U * static_cast<std::uint32_t>(y), settings.seed);
-                        if (scene.scene().render.shutter > 0) path.time = random1(path, kTimeDimension);
-                        active.push_back(static_cast<Index>(paths.size()));
-                        rays.push_back(cameraRay(path));
-                        paths.push_back(path);
+                        l.x[l.count] = x;
+                        l.y[l.count] = y;
+                        l.sample[l.count] = static_cast<std::uint32_t>(sample);
+                        if (++l.count == CameraLanes::kSize) addPaths();
                     }
+    addPaths();
 }
 
-Ray PathTracer::State::cameraRay(const Path &path) const {
-    const CameraState &camera = scene.camera();
-    const Vec2 offset = sampleFilter(settings.boxFilter, random2(path, kFilterDimension));
-    const float px = (static_cast<float>(path.x) + 0.5F + offset.x) - 0.5F * static_cast<float>(settings.width);
-    const float py = 0.5F * static_cast<float>(settings.height) - (static_cast<float>(path.y) + 0.5F + offset.y);
-    const Vec3 through(px * pixelSize, py * pixelSize, -1); // on the plane at distance one
-    Ray ray;
-    ray.origin = Vec3(0);
-    ray.direction = through;
-    if (camera.apertureRadius > 0) {
-        const Vec2 lens = squareToDisk(random2(path, kLensDimension)) * static_cast<float>(camera.apertureRadius);
-        ray.origin = Vec3(lens, 0);
-        ray.direction = through * static_cast<float>(camera.focusDistance) - ray.origin;
+/// Starts what the camera's lanes hold and empties them.
+void PathTracer::State::addPaths() {
+    CameraLanes &l = *cameraLanes;
+    cameraRays(scene, settings, l);
+    const std::size_t first = paths.size();
+    const auto count = static_cast<std::size_t>(l.count);
+    paths.resize(first + count);
+    rays.resize(first + count);
+    active.resize(first + count);
+    for (std::size_t i = 0; i < count; ++i) {
+        Path &path = paths[first + i];
+        path.x = l.x[i];
+        path.y = l.y[i];
+        path.sample = l.sample[i];
+        path.seed = l.seed[i];
+        path.time = l.time[i];
+        Ray &ray = rays[first + i];
+        ray.origin = l.origin.at(i);
+        ray.direction = l.direction.at(i);
+        ray.time = l.time[i];
+        active[first + i] = static_cast<Index>(first + i);
     }
-    ray.direction = glm::normalize(ray.direction);
-    ray.time = path.time;
-    if (scene.cameraSteps().size() > 1) {
-        const Affine renderFromCamera = rigidAt(scene.cameraSteps(), path.time);
-        ray.origin = transformPoint(renderFromCamera, ray.origin);
-        ray.direction = glm::normalize(transformVector(renderFromCamera, ray.direction));
-    }
-    return ray;
+    l.count = 0;
 }
 
-void PathTracer::State::escape(Path &path, const Ray &ray) const {
+/// Path `i` of the active leaves the scene.
+void PathTracer::State::escape(std::size_t i) {
+    const Environment *environment = scene.lights().environment;
+    Path &path = paths[active[i]];
+    if (environment == nullptr || (path.scatterPdf == 0 && !environment->cameraVisible)) return;
+    if (environment->constant)
+        seeEnvironment(path, environment->texels[0], 0); // no light samples go there
+    else
+        escaped.push_back(static_cast<Index>(i));
+}
+
+void PathTracer::State::seeEnvironment(Path &path, const Vec3 &radiance, float lightPdf) {
+    if (path.scatterPdf == 0) path.alpha = 1;
+    path.radiance += path.throughput * radiance * (path.scatterPdf == 0 ? 1.0F : powerHeuristic(path.scatterPdf, lightPdf));
+}
+
+void PathTracer::State::lookUpEscaped() {
     const LightTable &lights = scene.lights();
-    if (lights.environment == nullptr) return;
-    if (path.scatterPdf == 0) {
-        if (!lights.environment->cameraVisible) return;
-        path.radiance += path.throughput * environmentRadiance(lights, ray.direction);
-        path.alpha = 1;
-        return;
+    for (std::size_t begin = 0; begin < escaped.size(); begin += EnvironmentLanes::kSize) {
+        const std::size_t count = std::min<std::size_t>(EnvironmentLanes::kSize, escaped.size() - begin);
+        sky.count = static_cast<int>(count);
+        for (std::size_t k = 0; k < count; ++k) sky.direction.set(k, lights.worldFromRender * rays[escaped[begin + k]].direction);
+        lookup(*lights.environment, sky);
+        for (std::size_t k = 0; k < count; ++k) {
+            const Index i = escaped[begin + k];
+            const float choice = choiceProbability(lights, lights.environmentEntry, rays[i].origin);
+            seeEnvironment(paths[active[i]], sky.radiance.at(k), sky.pdf[k] * choice);
+        }
     }
-    const EnvironmentLookup met = environmentAt(lights, ray.origin, ray.direction);
-    path.radiance += path.throughput * met.radiance * powerHeuristic(path.scatterPdf, met.pdf);
+    escaped.clear();
 }
 
 bool PathTracer::State::meetLights(Path &path, const Ray &ray, float farthest) const {
@@ -356,6 +365,7 @@ void PathTracer::State::gather(std::size_t lane, std::size_t i) {
     const Path &path = paths[active[i]];
     l.throughput.set(lane, path.throughput);
     l.etaScale[lane] = path.etaScale;
+    l.time[lane] = path.time;
     l.sample[lane] = path.sample;
     l.seed[lane] = path.seed;
     l.path[lane] = active[i];
@@ -370,15 +380,7 @@ void PathTracer::State::shadeAtOnce(int event, const PlainMaterial &material, st
     const EventNumbers numbers{dimensionOf(event, kScatterDirection), dimensionOf(event, kScatterLobe), dimensionOf(event, kLightPoint),
                                dimensionOf(event, kLightChoice), dimensionOf(event, kRoulette)};
     view(l, material, numbers);
-    for (std::size_t k = 0; k < padded; ++k) {
-        const LightSample light =
-            sampleLight(scene.lights(), l.position.at(k), paths[l.path[k]].time, l.lightChoice[k], {l.lightU[k], l.lightV[k]});
-        l.lightDirection.set(k, light.direction);
-        l.lightRadiance.set(k, light.radiance);
-        l.lightPdf[k] = light.pdf;
-        l.lightWeighted[k] = light.delta ? 0.0F : 1.0F;
-        lightDistances[k] = light.distance;
-    }
+    aim(l, scene.lights());
     connect(l, material);
     scatter(l, material);
     for (std::size_t k = 0; k < chunk.size(); ++k) {
@@ -387,7 +389,7 @@ void PathTracer::State::shadeAtOnce(int event, const PlainMaterial &material, st
             Ray ray;
             ray.origin = l.shadowOrigin.at(k);
             ray.direction = l.lightDirection.at(k);
-            ray.farthest = lightDistances[k] * (1 - 1e-4F);
+            ray.farthest = l.lightDistance[k] * (1 - 1e-4F);
             ray.time = path.time;
             shadowRays.push_back(ray);
             shadowTests.push_back({l.path[k], l.contribution.at(k)});
@@ -413,10 +415,11 @@ void PathTracer::State::shadeAll(int event, const std::vector<Aov> &wanted, int 
         Path &path = paths[active[i]];
         if (meetLights(path, rays[i], hits[i].t)) continue;
         if (hits[i].geometry == kNone)
-            escape(path, rays[i]);
+            escape(i);
         else if (!waits(event, i, aovChannels))
             shade(event, active[i], rays[i], hits[i], wanted, aovChannels);
     }
+    lookUpEscaped();
     for (std::size_t m = 0; m < waiting.size(); ++m) {
         const std::span<const Index> all = waiting[m];
         for (std::size_t begin = 0; begin < all.size(); begin += HitLanes::kSize)

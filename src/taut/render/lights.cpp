@@ -171,23 +171,28 @@ float choiceProbability(const LightTable &table, Index entry, const Vec3 &point)
     return probabilityOf(importance(table.entries[entry], table, point), totalImportance(table, point), table.entries.size());
 }
 
-LightSample sampleLight(const LightTable &table, const Vec3 &point, float time, float choose, const Vec2 &u) {
+LightChoice chooseLight(const LightTable &table, const Vec3 &point, float choose) {
     const std::size_t count = table.entries.size();
     if (count == 0) return {};
-    std::size_t chosen = 0;
-    float probability = 1;
-    if (count > 1) {
-        const float total = totalImportance(table, point);
-        float below = 0;
-        for (chosen = 0; chosen < count; ++chosen) {
-            probability = probabilityOf(importance(table.entries[chosen], table, point), total, count);
-            if (choose < below + probability || chosen + 1 == count) break;
-            below += probability;
-        }
+    if (count == 1) return {0, 1};
+    const float total = totalImportance(table, point);
+    float below = 0;
+    for (Index entry = 0;; ++entry) {
+        const float probability = probabilityOf(importance(table.entries[entry], table, point), total, count);
+        if (choose < below + probability || entry + 1 == count) return {entry, probability};
+        below += probability;
     }
-    LightSample s = sampleEntry(table, table.entries[chosen], point, time, u);
-    s.pdf *= probability;
+}
+
+LightSample sampleLight(const LightTable &table, const LightChoice &choice, const Vec3 &point, float time, const Vec2 &u) {
+    if (choice.entry == kNone) return {};
+    LightSample s = sampleEntry(table, table.entries[choice.entry], point, time, u);
+    s.pdf *= choice.probability;
     return s;
+}
+
+LightSample sampleLight(const LightTable &table, const Vec3 &point, float time, float choose, const Vec2 &u) {
+    return sampleLight(table, chooseLight(table, point, choose), point, time, u);
 }
 
 LightHit intersectLight(const LightTable &table, Index index, const Vec3 &origin, const Vec3 &direction, float farthest) {
@@ -222,17 +227,6 @@ float lightHitPdf(const LightTable &table, Index index, const Vec3 &point, float
         return cap < 2 ? choiceProbability(table, index, point) / (2 * kPi * cap) : 0;
     }
     return absCosine > 0 ? choiceProbability(table, index, point) * t * t / (absCosine * entry.area * growth) : 0;
-}
-
-Vec3 environmentRadiance(const LightTable &table, const Vec3 &direction) {
-    return table.environment != nullptr ? radiance(*table.environment, table.worldFromRender * direction) : Vec3(0);
-}
-
-EnvironmentLookup environmentAt(const LightTable &table, const Vec3 &point, const Vec3 &direction) {
-    if (table.environment == nullptr) return {Vec3(0), 0};
-    EnvironmentLookup found = lookup(*table.environment, table.worldFromRender * direction);
-    found.pdf *= table.environmentEntry == kNone ? 0.0F : choiceProbability(table, table.environmentEntry, point);
-    return found;
 }
 
 } // namespace taut

@@ -61,9 +61,18 @@ struct LightTable {
 /// share spread evenly so that no light is starved.
 float choiceProbability(const LightTable &table, Index entry, const Vec3 &point);
 
+/// The light that a number uniform in [0, 1) chooses at `point`, with the probability; none where there are none.
+struct LightChoice {
+    Index entry = kNone;
+    float probability = 0;
+};
+LightChoice chooseLight(const LightTable &table, const Vec3 &point, float choose);
+
 /// A light sample from `point` at a time in the shutter; pdf 0 where the chosen light sends nothing there. `choose` and `u` uniform
 /// in [0, 1).
 LightSample sampleLight(const LightTable &table, const Vec3 &point, float time, float choose, const Vec2 &u);
+/// The same once the light is chosen.
+LightSample sampleLight(const LightTable &table, const LightChoice &choice, const Vec3 &point, float time, const Vec2 &u);
 
 /// A quad or sphere light met by a ray. These lights are not geometry: they cast no shadow, hide nothing from scattered rays and
 /// are passed through from behind, so that the light of many is the sum of each alone.
@@ -85,9 +94,5 @@ float lightHitPdf(const LightTable &table, Index entry, const Vec3 &point, float
 Vec3 emitterPosition(const LightEntry &entry, Index vertex, float time);
 /// What lightHitPdf() asks for.
 float emitterGrowth(const LightEntry &entry, Index triangle, float time);
-
-/// Radiance that a ray leaving the scene along `direction` meets; with the density with which light sampling at `point` finds it.
-Vec3 environmentRadiance(const LightTable &table, const Vec3 &direction);
-EnvironmentLookup environmentAt(const LightTable &table, const Vec3 &point, const Vec3 &direction);
 
 } // namespace taut

@@ -6,7 +6,8 @@
 /// along +x and its left half along +y, as in Blender.
 
 #include "taut/base/error.h"
-#include "taut/base/vec.h"
+#include "taut/base/instructions.h"
+#include "taut/base/lanes.h"
 
 #include <string>
 #include <vector>
@@ -69,5 +70,18 @@ struct EnvironmentLookup {
 EnvironmentLookup lookup(const Environment &environment, const Vec3 &w);
 
 EnvironmentSample sample(const Environment &environment, const Vec2 &u);
+
+/// Many at once: a map is larger than the caches, so what each lane will read is asked for before any of it is used. The bits are
+/// those of one by one.
+struct alignas(64) EnvironmentLanes {
+    static constexpr int kSize = 64;
+    int count = 0;
+    float u[kSize], v[kSize]; ///< sample() reads them
+    Lanes3<kSize> direction;  ///< world space, unit: lookup() reads it, sample() writes it
+    Lanes3<kSize> radiance;
+    float pdf[kSize]; ///< per steradian
+};
+void lookup(const Environment &environment, EnvironmentLanes &lanes, Instructions instructions = widest());
+void sample(const Environment &environment, EnvironmentLanes &lanes, Instructions instructions = widest());
 
 } // namespace taut

@@ -1,0 +1,32 @@
+#pragma once
+/// Camera rays of many samples at once, structure of arrays.
+
+#include "taut/base/instructions.h"
+#include "taut/base/lanes.h"
+#include "taut/render/integrator.h"
+
+namespace taut {
+
+/// Dimensions of the sample sequence that a camera ray draws; those of scattering events follow.
+enum CameraDimension : std::uint32_t { kFilterDimension, kLensDimension, kCameraDimensions };
+/// The time within the shutter has a number of its own, so that events keep theirs with and without motion blur.
+inline constexpr std::uint32_t kTimeDimension = 0x40000000U;
+
+struct alignas(64) CameraLanes {
+    static constexpr int kSize = 64;
+    int count = 0;
+    // Given.
+    int x[kSize], y[kSize];      ///< pixel
+    std::uint32_t sample[kSize]; ///< of the pixel
+    // Answered.
+    std::uint32_t seed[kSize];       ///< of the pixel's sample sequence
+    float time[kSize];               ///< within the shutter, 0 to 1
+    Lanes3<kSize> origin, direction; ///< render space; unit
+    // Between.
+    float u[kSize], v[kSize]; ///< place on the plane at distance one
+};
+
+/// Rays through the pixels of `settings`, as the reconstruction filter spreads them; with lens and camera motion.
+void cameraRays(const RenderScene &scene, const TraceSettings &settings, CameraLanes &lanes, Instructions instructions = widest());
+
+} // namespace taut
