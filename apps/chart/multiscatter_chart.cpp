@@ -178,7 +178,7 @@ std::vector<Errors> errorsOf(const MicroTransform &m, const IsotropicTable &tabl
     return mean;
 }
 
-/// What the plan takes for a metal of this gloss at the default tolerance.
+/// What the plan takes for a metal of this gloss in the light of this chart, a white furnace.
 Multiscatter defaultTreatment(const MicroTransform &m) {
     const EquivalentAlpha alpha = equivalentAlpha(m);
     Material metal;
@@ -193,7 +193,8 @@ Multiscatter defaultTreatment(const MicroTransform &m) {
     scene.render.frames = {1};
     scene.materials = {metal};
     scene.objects = {plate};
-    const MultiscatterPlan plan = makePlan(scene, kDefaultTolerance).materials[0];
+    scene.environment = constantEnvironment(Vec3(1));
+    const MultiscatterPlan plan = makePlan(scene).materials[0];
     return plan.model == Multiscatter::Auto ? chooseMultiscatter(m, false, plan.negligibleLoss) : plan.model;
 }
 
@@ -232,7 +233,7 @@ Chart measureMultiscatter(const ChartOptions &options) {
     chart.howToRead = "Left is faster; down is less energy lost or gained, or less light sent elsewhere (half the sum over 128 cells of "
                       "the hemisphere). The "
                       "walk is exact: it returns every ray, and what its lobe shows is the noise of this measurement.";
-    chart.choice = "What the plan takes for a metal of this gloss at its default tolerance: the walk wherever the light lost would show. A "
+    chart.choice = "What the plan takes for a metal of this gloss in even light: the walk wherever the light lost would show. A "
                    "table of isotropic "
                    "surfaces is cheaper and right for isotropic ones; on a stretched or sheared one it is off by tens of percent, and "
                    "which of the two "

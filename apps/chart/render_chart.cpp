@@ -61,13 +61,23 @@ std::vector<StudyScene> studyScenes() {
             {"rough", "Rough torus, strongly sheared, under a lamp and a sky", std::move(rough)}};
 }
 
-/// A way to render a scene.
+/// A way to render a scene, with a plan for each of kSamples.
 struct Way {
     std::string name;
     Scene scene;
-    ScenePlan plan;
+    std::vector<ScenePlan> plans;
     bool isDefault = false;
 };
+
+/// What the renderer plans for a scene at each number of samples.
+std::vector<ScenePlan> plansOf(Scene scene) {
+    std::vector<ScenePlan> plans;
+    for (const int samples : kSamples) {
+        scene.render.spp = samples;
+        plans.push_back(makePlan(scene));
+    }
+    return plans;
+}
 
 std::vector<Way> modelsOf(const Scene &scene) {
     Scene single = scene;
@@ -76,11 +86,11 @@ std::vector<Way> modelsOf(const Scene &scene) {
     for (Material &material : compensated.materials) material.multiscatter = Multiscatter::Compensation;
     Scene fixed = scene;
     for (Object &object : fixed.objects) object.follow = false;
-    return {{"plan", scene, makePlan(scene, kDefaultTolerance), true},
-            {"full model", scene, fullPlan(scene)},
-            {"compensation", compensated, makePlan(compensated, kDefaultTolerance)},
-            {"no multiple scattering", single, makePlan(single, kDefaultTolerance)},
-            {"gloss held fixed", fixed, makePlan(fixed, kDefaultTolerance)}};
+    return {{"plan", scene, plansOf(scene), true},
+            {"full model", scene, std::vector<ScenePlan>(kSamples.size(), fullPlan(scene))},
+            {"compensation", compensated, plansOf(compensated)},
+            {"no multiple scattering", single, plansOf(single)},
+            {"gloss held fixed", fixed, plansOf(fixed)}};
 }
 
 /// Samplers of reflections. The walk has its own, so they are compared without it; and with what Cycles 3.4 has: separable masking.
@@ -93,9 +103,9 @@ Scene withoutWalk(Scene scene) {
 }
 std::vector<Way> samplersOf(const Scene &scene) {
     const auto planned = [&](float waste) {
-        ScenePlan plan = makePlan(scene, kDefaultTolerance);
-        plan.bearableWaste = waste;
-        return plan;
+        std::vector<ScenePlan> plans = plansOf(scene);
+        for (ScenePlan &plan : plans) plan.bearableWaste = waste;
+        return plans;
     };
     return {{"caps, or the cone", scene, planned(kBearableWaste), true}, {"bounded caps", scene, planned(1)}, {"cone", scene, planned(0)}};
 }
@@ -128,6 +138,13 @@ std::string conditionsOf(const Scene &scene, int reference) {
            " samples a pixel; reference: the full model at " + std::to_string(reference) + " samples, another seed; all threads";
 }
 
+/// A plan with what the materials themselves say in it.
+ScenePlan resolved(const Scene &scene, ScenePlan plan) {
+    for (std::size_t i = 0; i < scene.materials.size(); ++i)
+        if (scene.materials[i].multiscatter != Multiscatter::Auto) plan.materials[i].model = scene.materials[i].multiscatter;
+    return plan;
+}
+
 /// Every way at every number of samples; the truth is the full model of the scene.
 struct Study {
     std::vector<float> truth;
@@ -136,22 +153,26 @@ struct Study {
 Study measureWays(const Scene &scene, const std::vector<Way> &ways, int reference, int rounds) {
     Study study{renderImage(scene, fullPlan(scene), 1, reference, 1000).values, {}};
     study.ways.assign(ways.size(), std::vector<Measurement>(kSamples.size()));
-    // A way that does what the first does, in the same scene, takes its time.
-    const auto repeats = [&](std::size_t i) {
-        const Scene &a = ways[i].scene;
-        const Scene &b = ways[0].scene;
-        return i > 0 && a.objects[0].follow == b.objects[0].follow && a.materials[0].multiscatter == b.materials[0].multiscatter &&
-               sameModels(ways[i].plan, ways[0].plan);
+    // A way that does what an earlier one does takes its numbers: noise would order them.
+    const auto same = [&](const Way &a, const Way &b, std::size_t k) {
+        return a.scene.objects[0].follow == b.scene.objects[0].follow &&
+               sameModels(resolved(a.scene, a.plans[k]), resolved(b.scene, b.plans[k]));
+    };
+    const auto sourceOf = [&](std::size_t i, std::size_t k) {
+        std::size_t source = 0;
+        while (source < i && !same(ways[source], ways[i], k)) ++source;
+        return source;
     };
     for (int round = 0; round < rounds; ++round)
         for (std::size_t k = 0; k < kSamples.size(); ++k)
             for (std::size_t i = 0; i < ways.size(); ++i) {
-                if (repeats(i)) continue;
-                const RenderedImage image = renderImage(ways[i].scene, ways[i].plan, 1, kSamples[k], static_cast<std::uint32_t>(round + 1));
+                if (sourceOf(i, k) < i) continue;
+                const RenderedImage image =
+                    renderImage(ways[i].scene, ways[i].plans[k], 1, kSamples[k], static_cast<std::uint32_t>(round + 1));
                 study.ways[i][k].add(image.seconds, image.values, study.truth);
             }
-    for (std::size_t i = 0; i < ways.size(); ++i)
-        if (repeats(i)) study.ways[i] = study.ways[0];
+    for (std::size_t k = 0; k < kSamples.size(); ++k)
+        for (std::size_t i = 0; i < ways.size(); ++i) study.ways[i][k] = study.ways[sourceOf(i, k)][k];
     return study;
 }
 
@@ -183,7 +204,7 @@ Panel besideCycles(const StudyScene &study, const std::string &conditions, int r
                              conditions + ", gloss held fixed; scene and BVH in memory; in Cycles nothing that trades truth for speed");
     panel.x.name = "time of a render";
     panel.hasFront = false;
-    RenderScene ready(scene, makePlan(scene, kDefaultTolerance), true);
+    RenderScene ready(scene, makePlan(scene), true);
     std::filesystem::create_directories(folder);
     writeCyclesScene(ready, tbb::info::default_concurrency(), folder);
     CyclesPeer cycles(folder);

@@ -169,7 +169,7 @@ void addPlates(Chart &chart, const ChartOptions &options) {
         lamp.radiance = Vec3(38);
         scene.lights.push_back(lamp);
         scene.environment = constantEnvironment(Vec3(0.03F));
-        images.push_back(renderImage(scene, makePlan(scene, kDefaultTolerance), 1, 64, 1).values);
+        images.push_back(renderImage(scene, makePlan(scene), 1, 64, 1).values);
     }
     chart.pictures.push_back(writeStrip(
         options.directory, "talk_plates_picture",
@@ -192,7 +192,7 @@ void addRoughBall(Chart &chart, const Environment &sky, const ChartOptions &opti
         scene.camera.fovY = 0.5;
         scene.environment = sky;
         scene.environment->cameraVisible = false;
-        images.push_back(renderImage(scene, makePlan(scene, kDefaultTolerance), 1, 64, 1).values);
+        images.push_back(renderImage(scene, makePlan(scene), 1, 64, 1).values);
     }
     chart.pictures.push_back(writeStrip(options.directory, "talk_rough_picture",
                                         "Alpha 1: left single scattering, which loses light, right the walk, which has " +

@@ -50,7 +50,8 @@ std::string_view nameOf(Multiscatter model) {
 
 nlohmann::json toJson(const Question &q) {
     nlohmann::json choices = nlohmann::json::array();
-    for (const Choice &c : q.choices) choices.push_back({{"name", c.name}, {"predicted_error", c.error}, {"cost", c.cost}});
+    for (const Choice &c : q.choices)
+        choices.push_back({{"name", c.name}, {"predicted_error", c.error}, {"cost", c.cost}, {"noise", c.noise}});
     return {{"name", q.name}, {"unit", q.unit}, {"taken", q.choices[q.taken].name}, {"choices", choices}};
 }
 
@@ -115,18 +116,22 @@ nlohmann::json describe(const RenderObject &object, const ScenePlan &plan, const
               {"SmoothFieldNoUv", surface.fallbackTangents}}}};
 }
 
-/// One line a question: what was taken, what it loses and costs, and the same of the next cheaper choice.
+/// One line a question: what was taken, what it loses and costs, and the same of the next cheaper choice; or of the dearest, where that
+/// was left for its noise.
 void printQuestion(const nlohmann::json &question) {
     const auto &choices = question["choices"];
     std::size_t taken = 0;
     while (choices[taken]["name"] != question["taken"]) ++taken;
     const auto describeChoice = [&](std::size_t i) {
-        return fmt::format("{} (predicted error {:.2g}, {:.3g} {})", choices[i]["name"].get<std::string>(),
-                           choices[i]["predicted_error"].get<float>(), choices[i]["cost"].get<float>(),
-                           question["unit"].get<std::string>());
+        const float noise = choices[i]["noise"].get<float>();
+        return fmt::format("{} (predicted error {:.2g}, {}{:.3g} {})", choices[i]["name"].get<std::string>(),
+                           choices[i]["predicted_error"].get<float>(), noise > 0 ? fmt::format("added noise {:.2g}, ", noise) : "",
+                           choices[i]["cost"].get<float>(), question["unit"].get<std::string>());
     };
     std::string line = fmt::format("    {}: {}", question["name"].get<std::string>(), describeChoice(taken));
     if (taken > 0) line += "; next cheaper: " + describeChoice(taken - 1);
+    if (taken == 0 && choices.back()["noise"].get<float>() > choices[0]["predicted_error"].get<float>())
+        line += "; noisier than what it mends: " + describeChoice(choices.size() - 1);
     fmt::print("{}\n", line);
 }
 
@@ -158,8 +163,11 @@ void print(const nlohmann::json &info) {
         if (!m["question"].is_null()) printQuestion(m["question"]);
     }
     for (const auto &o : info["objects"]) printObject(o);
-    fmt::print("plan: tolerance {:.3g}, predicted error {:.3g}, BVH {}\n", info["tolerance"].get<float>(),
-               info["predicted_error"].get<float>(), info["bvh"].get<std::string>());
+    const float inNoise = info["error_in_noise"].get<float>();
+    fmt::print("plan: tolerance {:.3g}, predicted error {:.3g}{}, BVH {}\n", info["tolerance"].get<float>(),
+               info["predicted_error"].get<float>(),
+               inNoise > 0 ? fmt::format(" and {:.2g} that is less than its noise at {} spp", inNoise, info["spp"].get<int>()) : "",
+               info["bvh"].get<std::string>());
 }
 
 nlohmann::json describe(const InfoArguments &arguments, const Scene &scene, const RenderScene &ready) {
@@ -177,6 +185,7 @@ nlohmann::json describe(const InfoArguments &arguments, const Scene &scene, cons
                           {"environment", scene.environment.has_value()},
                           {"tolerance", plan.tolerance},
                           {"predicted_error", plan.predictedError},
+                          {"error_in_noise", plan.errorInNoise},
                           {"bvh", plan.mayRefit ? "refit, rebuilt where its rays would pay for it" : "rebuilt every frame"},
                           {"materials", nlohmann::json::array()},
                           {"objects", nlohmann::json::array()}};

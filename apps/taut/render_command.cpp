@@ -184,6 +184,8 @@ int render(RenderArguments &arguments) {
         options.noise = parseNoise(*arguments.noise);
         if (arguments.spp == 0) options.spp = std::max(options.spp, kMostByNoise);
     }
+    // How many samples there will be is not known: light is not weighed against noise.
+    if ((options.seconds || options.noise) && !arguments.model.tolerance) arguments.model.tolerance = kDefaultTolerance;
     if (!arguments.crop.empty()) options.window = parseCrop(arguments.crop, scene.render);
 
     RenderScene ready(scene, planFor(scene, arguments.model), frames.size() > 1);

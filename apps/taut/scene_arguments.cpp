@@ -28,7 +28,11 @@ Scene loadScene(const SceneArguments &arguments, bool quiet) {
 }
 
 void addModelArguments(CLI::App &command, ModelArguments &arguments) {
-    command.add_option("--tolerance", arguments.tolerance, "Relative RMS error that the plan's savings may have together (default 0.01)")
+    command
+        .add_option(
+            "--tolerance", arguments.tolerance,
+            "Relative RMS error that the plan's savings may have together, whatever the noise (default: 0.01, and multiple scattering "
+            "only where it is more than its noise at the scene's samples a pixel)")
         ->check(CLI::Range(1e-6, 1.0));
     command.add_option("--model", arguments.model, "auto: the cheapest model within the tolerance; full: every saving off");
 }

@@ -8,6 +8,7 @@
 #include <tbb/global_control.h>
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,8 +29,8 @@ Scene loadScene(const SceneArguments &arguments, bool quiet);
 
 /// --tolerance and --model: how much the plan may save.
 struct ModelArguments {
-    float tolerance = kDefaultTolerance;
-    std::string model; ///< "auto" or "full"
+    std::optional<float> tolerance; ///< none: the plan's own
+    std::string model;              ///< "auto" or "full"
 };
 void addModelArguments(CLI::App &command, ModelArguments &arguments);
 /// The plan that they ask for. Throws InputError for an unknown model.

@@ -3,6 +3,7 @@
 #include "taut/base/frame.h"
 #include "taut/microsurface/transform.h"
 #include "taut/plan/gradient_field.h"
+#include "taut/plan/light_coverage.h"
 #include "taut/plan/refinement_error.h"
 
 #include <algorithm>
@@ -15,6 +16,9 @@ namespace {
 constexpr float kMultiscatterShare = 0.5F;
 /// Total variation between the compensation's lobe and the walk's, weighed for the smoothing that any light does to lobes so broad.
 constexpr float kCompensationLobeError = 0.35F;
+/// Variance of the light of several facets over that of independent paths without next events, measured over the scenes of `taut chart
+/// plan` and `render`: with it, mended error over noise, squared, comes out within a factor of three where it is near one.
+constexpr float kNoiseShare = 0.33F;
 /// A grazing view loses more than the average over views.
 constexpr float kGrazingLoss = 2;
 /// A lobe's relative change for a relative change of both its widths, at its peak.
@@ -42,8 +46,12 @@ bool hasMicrosurface(const Material &material) {
     return material.type != MaterialType::Diffuse;
 }
 
-/// Least and greatest alpha of a material before deformation; a texture multiplies its value by 0 to 1.
-Vec2 restAlphaRange(const Material &material) {
+/// A material's alphas before deformation; a texture multiplies its value by 0 to 1.
+struct RestAlpha {
+    float least;   ///< of both
+    Vec2 greatest; ///< of the rougher and of the smoother one
+};
+RestAlpha restAlpha(const Material &material) {
     const auto range = [&](const FloatParam &p) {
         float upper = p.value;
         float lower = p.texture == kNone ? p.value : 0.0F;
@@ -51,14 +59,15 @@ Vec2 restAlphaRange(const Material &material) {
             upper *= upper;
             lower *= lower;
         }
-        return Vec2(lower, upper);
+        return glm::clamp(Vec2(lower, upper), Vec2(1e-4F), Vec2(10.0F));
     };
     const Vec2 x = range(material.alphaX);
     const Vec2 y = range(material.alphaY);
-    Vec2 both(std::min(x.x, y.x), std::max(x.y, y.y));
+    RestAlpha rest{std::min(x.x, y.x), {std::max(x.y, y.y), std::min(x.y, y.y)}};
     // KHR_materials_anisotropy makes alpha rougher along its direction, up to 1.
-    if (material.anisotropyStrength != 0) both.y = std::max(both.y, glm::mix(both.y, 1.0F, sqr(material.anisotropyStrength)));
-    return glm::clamp(both, Vec2(1e-4F), Vec2(10.0F));
+    if (material.anisotropyStrength != 0)
+        rest.greatest.x = std::max(rest.greatest.x, glm::mix(rest.greatest.x, 1.0F, sqr(material.anisotropyStrength)));
+    return rest;
 }
 
 /// Takes the cheapest choice whose error fits into what is left, and spends it. The last choice is the model itself, without error.
@@ -75,17 +84,22 @@ void take(Question &question, float &left) {
 /// The materials' alphas over everything that a mesh does.
 struct AlphaRange {
     float least = kInfinity;
-    float greatest = 0;
-    void add(const Vec2 &rest, const GradientField &field) {
-        least = std::fmin(least, rest.x / field.greatestStretch);
-        greatest = std::fmax(greatest, rest.y / field.leastStretch);
+    Vec2 greatest{0}; ///< of the rougher and of the smoother one: singular values of a product are at most those of one factor times
+                      ///< the greatest of the other
+    void add(const RestAlpha &rest, const GradientField &field) {
+        least = std::fmin(least, rest.least / field.greatestStretch);
+        greatest = glm::max(greatest, rest.greatest / field.leastStretch);
+    }
+    void add(const AlphaRange &other) {
+        least = std::fmin(least, other.least);
+        greatest = glm::max(greatest, other.greatest);
     }
 };
 
 Question stretchQuestion(const Object &object, const GradientField &field, const AlphaRange &alpha, bool microsurface) {
     Question q{"stretch", "ns a hit", {}, 0};
     const bool inert = !microsurface || !object.follow || isRigid(object);
-    const float leanError = object.lean ? 4 * field.lean * std::fmin(alpha.greatest, 1.0F) + kPeakFactor * field.logNormalStretch : 0.0F;
+    const float leanError = object.lean ? 4 * field.lean * std::fmin(alpha.greatest.x, 1.0F) + kPeakFactor * field.logNormalStretch : 0.0F;
     q.choices.push_back({"constant", inert ? 0.0F : kPeakFactor * field.logStretch + leanError, 0});
     if (inert) return q;
     q.choices.push_back({"uniform", kPeakFactor * field.fromMean + leanError, kUniformCost});
@@ -107,7 +121,7 @@ Question gradientQuestion(GradientEstimator estimator) {
 float leastRestAlpha(const Scene &scene, const Object &object) {
     float least = 1;
     for (const Index m : object.materials)
-        if (hasMicrosurface(scene.materials[m])) least = std::fmin(least, restAlphaRange(scene.materials[m]).x);
+        if (hasMicrosurface(scene.materials[m])) least = std::fmin(least, restAlpha(scene.materials[m]).least);
     return least;
 }
 
@@ -165,12 +179,17 @@ void planMesh(const Object &object, const GradientField &field, const AlphaRange
     if (!object.gradient && !isRigid(object)) plan.questions.push_back(gradientQuestion(plan.estimator));
 }
 
-MultiscatterPlan planMultiscatter(const Material &material, float greatestAlpha, float budget) {
+/// Share of diffuse light that meets several facets.
+float lossAt(const Vec2 &alpha) {
+    return 1 - energy::averageAlbedo(microTransformFromAlpha(alpha.x, alpha.y));
+}
+
+MultiscatterPlan planMultiscatter(const Material &material, const Vec2 &greatestAlpha, float budget) {
     MultiscatterPlan plan;
     const bool chooses = (material.type == MaterialType::Conductor || material.type == MaterialType::Dielectric) &&
                          material.multiscatter == Multiscatter::Auto && material.masking == Masking::Correlated;
     if (!chooses) return plan;
-    const float loss = 1 - energy::averageAlbedo(microTransformFromAlpha(greatestAlpha, greatestAlpha));
+    const float loss = lossAt(greatestAlpha);
     plan.negligibleLoss = 0.5F * budget / kGrazingLoss;
     Question q{"multiscatter", "ns a hit at equal noise", {{"off", kGrazingLoss * loss, 0}}, 0};
     if (material.type == MaterialType::Conductor)
@@ -184,6 +203,41 @@ MultiscatterPlan planMultiscatter(const Material &material, float greatestAlpha,
     plan.error = q.choices[q.taken].error;
     plan.question = std::move(q);
     return plan;
+}
+
+/// Noise of light that meets several facets over the light itself, both root mean squares of a pixel of n samples.
+///
+/// A share s, the loss, of the paths meets several facets. Let all of them see radiances of mean m and mean square q = m^2 / coverage.
+/// Single scattering weighs each sample by 1 - s: its mean is s m short, its variance (1 - s)^2 (q - m^2) / n. A walk gives every path
+/// its whole light instead, which has the variance (q - m^2) / n. So the square of its noise over what it mends is
+///     (2 - s) (1 / coverage - 1) / (n s)
+/// and a share of that where samples are stratified and lights are looked for as well: even light gets no noisier, small lights do
+/// where n s coverage, the number of paths that find one, is small.
+float noiseOverLight(float loss, float coverage, int samples) {
+    return std::sqrt(kNoiseShare * (2 - loss) * (1 / coverage - 1) / (static_cast<float>(samples) * loss));
+}
+
+/// Takes single scattering after all where what it lacks is less than the noise of the treatments that have it: both send light of
+/// several facets to about every direction, where few paths find a small light.
+void weighNoise(MultiscatterPlan &plan, float noise) {
+    Question &q = *plan.question;
+    const float lost = q.choices.front().error;
+    for (std::size_t i = 1; i < q.choices.size(); ++i) q.choices[i].noise = noise * lost;
+    if (!(noise > 1)) return;
+    q.taken = 0;
+    plan.model = Multiscatter::Off;
+    plan.error = lost;
+}
+
+/// How much of what a material's objects see is bright, at most. Its last facet spreads a light over the width of its lobe.
+float coverageOfMaterial(const Scene &scene, Index material, const SceneLights &lights, int frame, const Vec2 &alpha) {
+    float coverage = 0;
+    for (const Object &object : scene.objects) {
+        if (std::find(object.materials.begin(), object.materials.end(), material) == object.materials.end()) continue;
+        const Bounds box = worldBounds(object, frame, scene.render.fps);
+        if (!box.empty()) coverage = std::fmax(coverage, lightCoverage(lights, box, 4 * kPi * alpha.x * alpha.y)); // 1 / the peak of D / 4
+    }
+    return coverage > 0 ? coverage : 1;
 }
 
 std::vector<int> spreadFrames(const std::vector<int> &frames) {
@@ -220,11 +274,12 @@ ScenePlan fullPlan(const Scene &scene) {
     return plan;
 }
 
-ScenePlan makePlan(const Scene &scene, float tolerance) {
+ScenePlan makePlan(const Scene &scene, std::optional<float> asked) {
     ScenePlan plan = defaultPlan(scene);
+    const float tolerance = asked.value_or(kDefaultTolerance);
     plan.tolerance = tolerance;
     const std::vector<int> frames = spreadFrames(scene.render.frames);
-    std::vector<float> greatestAlpha(scene.materials.size(), 0);
+    std::vector<Vec2> greatestAlpha(scene.materials.size(), Vec2(0));
     const float gradientBudget = (1 - kMultiscatterShare) * tolerance;
     for (std::size_t i = 0; i < scene.objects.size(); ++i) {
         const Object &object = scene.objects[i];
@@ -245,14 +300,13 @@ ScenePlan makePlan(const Scene &scene, float tolerance) {
         for (const Index m : object.materials) {
             if (!hasMicrosurface(scene.materials[m])) continue;
             AlphaRange own;
-            own.add(restAlphaRange(scene.materials[m]), object.follow ? field : GradientField{});
-            alpha.least = std::fmin(alpha.least, own.least);
-            alpha.greatest = std::fmax(alpha.greatest, own.greatest);
-            greatestAlpha[m] = std::fmax(greatestAlpha[m], own.greatest);
+            own.add(restAlpha(scene.materials[m]), object.follow ? field : GradientField{});
+            alpha.add(own);
+            greatestAlpha[m] = glm::max(greatestAlpha[m], own.greatest);
         }
-        if (alpha.greatest > 0) {
+        if (alpha.greatest.x > 0) {
             mesh.leastAlpha = alpha.least;
-            mesh.greatestAlpha = alpha.greatest;
+            mesh.greatestAlpha = alpha.greatest.x;
         }
         planMesh(object, field, alpha, microsurface, left, mesh);
         float error = 0;
@@ -260,9 +314,21 @@ ScenePlan makePlan(const Scene &scene, float tolerance) {
         plan.predictedError = std::fmax(plan.predictedError, error);
     }
     float worst = 0;
+    std::optional<SceneLights> lights;
+    const int middle = frames[frames.size() / 2];
     for (std::size_t m = 0; m < scene.materials.size(); ++m) {
-        plan.materials[m] = planMultiscatter(scene.materials[m], std::fmin(greatestAlpha[m], 10.0F), kMultiscatterShare * tolerance);
-        worst = std::fmax(worst, plan.materials[m].error);
+        const Vec2 alpha = glm::clamp(greatestAlpha[m], Vec2(1e-4F), Vec2(10.0F));
+        MultiscatterPlan &material = plan.materials[m];
+        material = planMultiscatter(scene.materials[m], alpha, kMultiscatterShare * tolerance);
+        if (!asked && material.model != Multiscatter::Off && material.question) {
+            if (!lights) lights = lightsOf(scene, middle);
+            const float coverage = coverageOfMaterial(scene, static_cast<Index>(m), *lights, middle, alpha);
+            weighNoise(material, noiseOverLight(lossAt(alpha), coverage, scene.render.spp));
+        }
+        if (material.error > kMultiscatterShare * tolerance)
+            plan.errorInNoise = std::fmax(plan.errorInNoise, material.error);
+        else
+            worst = std::fmax(worst, material.error);
     }
     plan.predictedError += worst;
     return plan;

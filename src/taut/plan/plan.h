@@ -3,7 +3,8 @@
 ///
 /// Every saving has a predicted error: the root mean square of the change that it makes to the image, relative to that of the
 /// image. Predictions are bounds made from the gradient field and the materials' roughness over the frames (plan.cpp says how);
-/// the errors of what is chosen together stay below the tolerance.
+/// the errors of what is chosen together stay below the tolerance. Where nobody gives one, light that meets several facets is also
+/// weighed against the noise that it brings at the scene's samples a pixel (light_coverage.h).
 
 #include "taut/bsdf/bsdf_types.h"
 #include "taut/deform/gradient_interpolation.h"
@@ -28,6 +29,7 @@ struct Choice {
     std::string name;
     float error = 0; ///< relative RMS of the image
     float cost = 0;  ///< in the question's unit
+    float noise = 0; ///< that it adds at the scene's samples a pixel, relative RMS, where the plan weighs that
 };
 
 /// One question of the plan: its choices from the cheapest to the dearest, and the one taken.
@@ -61,7 +63,8 @@ struct ScenePlan {
     float bearableWaste = kBearableWaste;    ///< of the sampler of reflections
     bool mayRefit = true;                    ///< false: every BVH is built anew at every frame
     float tolerance = 0;
-    float predictedError = 0;
+    float predictedError = 0; ///< of all that is saved, at most the tolerance; but for
+    float errorInNoise = 0;   ///< light of several facets that is left out because it would bring more noise than that
 };
 
 /// The model where nobody asked for a plan: per vertex, by each object's own or default estimator, interpolated as Stretch.
@@ -70,13 +73,14 @@ ScenePlan defaultPlan(const Scene &scene);
 /// `--model full`: the reference that every plan is held against. Everything per vertex and per hit, the random walk for "auto".
 ScenePlan fullPlan(const Scene &scene);
 
-/// The cheapest model whose predicted error stays below `tolerance` over the scene's frames. Evaluates the objects' gradients at
-/// up to kPlanFrames of them.
-ScenePlan makePlan(const Scene &scene, float tolerance);
-
 inline constexpr int kPlanFrames = 9;
 
-/// The tolerance where nobody asks for another.
+/// The tolerance where nobody gives one.
 inline constexpr float kDefaultTolerance = 0.01F;
+
+/// The cheapest model whose predicted error stays below `tolerance` over the scene's frames, whatever its noise. Without a tolerance:
+/// the default one, and of multiple scattering no more than shows at the scene's samples a pixel. Evaluates the objects' gradients at
+/// up to kPlanFrames frames.
+ScenePlan makePlan(const Scene &scene, std::optional<float> tolerance = std::nullopt);
 
 } // namespace taut

@@ -1,0 +1,119 @@
+#include "taut/plan/light_coverage.h"
+
+#include "taut/scene/object_motion.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace taut {
+
+namespace {
+
+constexpr float kHemisphere = 2 * kPi;
+
+SeenLight seenFrom(const Vec3 &point, const PlacedLight &light) {
+    const Vec3 d = point - light.centre;
+    const float distance2 = glm::dot(d, d);
+    const float cosine = distance2 > 0 && light.normal != Vec3(0) ? glm::dot(d, light.normal) / std::sqrt(distance2) : 1.0F;
+    if (cosine < light.cosOuter) return {};
+    if (light.radius == 0) return {light.radiance / std::fmax(distance2, 1e-12F), 0};
+    // 2 pi (1 - cos of the half angle), without cancellation.
+    const float share = sqr(light.radius) / (distance2 + sqr(light.radius));
+    const float angle = kHemisphere * share / (1 + std::sqrt(1 - share)) * cosine; // a disk from the side is narrower
+    return {light.radiance * angle, angle};
+}
+
+/// The radiance of the sky over the hemisphere, and how unevenly it is spread.
+SeenLight skyLight(const Environment &sky) {
+    double weights = 0;
+    double sum = 0;
+    double squares = 0;
+    for (std::size_t i = 0; i < sky.texels.size(); ++i) {
+        const double turn = (static_cast<double>(i / static_cast<std::size_t>(sky.width)) + 0.5) / (2 * sky.height);
+        const double weight = std::sin(2 * static_cast<double>(kPi) * turn);
+        const auto value = static_cast<double>(luminance(sky.texels[i]));
+        weights += weight;
+        sum += weight * value;
+        squares += weight * value * value;
+    }
+    if (!(sum > 0)) return {};
+    return {kHemisphere * static_cast<float>(sum / weights), kHemisphere * static_cast<float>(sum * sum / (weights * squares))};
+}
+
+std::optional<PlacedLight> placed(const Light &light) {
+    PlacedLight p{Vec3(light.corner), 0, luminance(light.radiance), Vec3(0), 0};
+    switch (light.type) {
+    case LightType::Quad: {
+        const DVec3 cross = glm::cross(light.u, light.v);
+        const double area = glm::length(cross);
+        if (!(area > 0)) return std::nullopt;
+        p.centre = Vec3(light.corner + 0.5 * (light.u + light.v));
+        p.radius = static_cast<float>(std::sqrt(area / static_cast<double>(kPi)));
+        if (!light.twoSided) p.normal = Vec3(cross / area);
+        return p;
+    }
+    case LightType::Sphere: p.radius = static_cast<float>(light.radius); return p;
+    case LightType::Spot:
+        p.normal = Vec3(light.direction);
+        p.cosOuter = static_cast<float>(std::cos(light.outerAngle));
+        return p;
+    case LightType::Point: return p;
+    case LightType::Directional: return std::nullopt;
+    }
+    return std::nullopt;
+}
+
+} // namespace
+
+float coverageOf(std::span<const SeenLight> lights, float blur) {
+    double sum = 0;
+    double squares = 0;
+    for (const SeenLight &light : lights) {
+        if (!(light.irradiance > 0)) continue;
+        const auto e = static_cast<double>(light.irradiance);
+        const float angle = std::fmin(std::fmax(std::fmax(light.solidAngle, blur), 1e-6F), kHemisphere);
+        sum += e;
+        squares += e * e / static_cast<double>(angle);
+    }
+    return squares > 0 ? static_cast<float>(std::min(1.0, sum * sum / (static_cast<double>(kHemisphere) * squares))) : 1.0F;
+}
+
+SceneLights lightsOf(const Scene &scene, double frame) {
+    SceneLights lights;
+    if (scene.environment) lights.distant.push_back(skyLight(*scene.environment));
+    for (const Light &light : scene.lights) {
+        if (light.type == LightType::Directional) lights.distant.push_back({luminance(light.radiance), 0});
+        if (const auto p = placed(light)) lights.placed.push_back(*p);
+    }
+    for (const Object &object : scene.objects) {
+        if (object.emission.value == Vec3(0)) continue;
+        const Bounds box = worldBounds(object, frame, scene.render.fps);
+        if (!box.empty()) lights.placed.push_back({box.centre(), 0.5F * box.diagonal(), luminance(object.emission.value), Vec3(0), 0});
+    }
+    return lights;
+}
+
+float lightCoverage(const SceneLights &lights, const Bounds &box, float blur) {
+    std::vector<Vec3> points{box.centre()};
+    constexpr std::size_t kMost = 64; // more of them light a box evenly, and would take long
+    for (const PlacedLight &light : std::span(lights.placed).first(std::min(kMost, lights.placed.size())))
+        points.push_back(glm::clamp(light.centre, box.lower, box.upper));
+    float greatest = 0;
+    for (const Vec3 &point : points) {
+        std::vector<SeenLight> seen = lights.distant;
+        for (const PlacedLight &light : lights.placed) seen.push_back(seenFrom(point, light));
+        greatest = std::fmax(greatest, coverageOf(seen, blur));
+    }
+    return greatest;
+}
+
+Bounds worldBounds(const Object &object, double frame, double fps) {
+    ObjectMotion motion;
+    motionAtFrame(object, frame, fps, DMat4(1), motion);
+    std::vector<Vec3> points;
+    evaluatePositions(motion.state, object.mesh->skin, points);
+    return boundsOf(points);
+}
+
+} // namespace taut

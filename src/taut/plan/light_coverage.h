@@ -1,0 +1,45 @@
+#pragma once
+/// How much of what a surface sees is bright: whether light that few paths look for is found by enough of them.
+
+#include "taut/mesh/mesh.h"
+#include "taut/scene/scene.h"
+
+#include <span>
+
+namespace taut {
+
+/// A light as a point of a surface sees it.
+struct SeenLight {
+    float irradiance = 0; ///< radiance times solid angle, luminance
+    float solidAngle = 0; ///< sr, at most a hemisphere's; 0: a point or a direction
+};
+
+/// Share of the hemisphere that lights fill: with radiances L_i, solid angles W_i and E_i = L_i W_i
+///     (sum E_i)^2 / (2 pi sum E_i L_i),
+/// the squared mean of the radiance that a random direction meets over the mean of its square. In (0, 1]; 1 for even light and where
+/// there is none. `blur`: solid angle that a lobe spreads every light over at least, sr.
+float coverageOf(std::span<const SeenLight> lights, float blur);
+
+/// A light with a place: a disk that faces `normal`, a ball, or a point.
+struct PlacedLight {
+    Vec3 centre{0};
+    float radius = 0;   ///< 0: a point, of radiant intensity `radiance`
+    float radiance = 0; ///< luminance
+    Vec3 normal{0};     ///< of a disk or a spot; 0: shines to all sides
+    float cosOuter = 0; ///< where there is a normal: least cosine to it that is lit
+};
+
+/// A scene's lights at one frame, world space. A mesh that shines counts as the ball around it.
+struct SceneLights {
+    std::vector<PlacedLight> placed;
+    std::vector<SeenLight> distant; ///< environment and directions
+};
+SceneLights lightsOf(const Scene &scene, double frame);
+
+/// Coverage from inside a box: at its middle and at its points nearest to each light, the greatest. Nothing hides a light.
+float lightCoverage(const SceneLights &lights, const Bounds &box, float blur);
+
+/// An object's control points at a frame, world space.
+Bounds worldBounds(const Object &object, double frame, double fps);
+
+} // namespace taut

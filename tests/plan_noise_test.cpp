@@ -1,0 +1,160 @@
+/// Light of several facets against its own noise: what a plan predicts, and what renders find.
+
+#include "chart/render_image.h"
+#include "render_fixtures.h"
+
+#include "taut/plan/light_coverage.h"
+#include "taut/plan/plan.h"
+
+#include <catch2/catch.hpp>
+
+#include <cstdio>
+
+using namespace taut;
+using namespace taut::test;
+
+namespace {
+
+Bounds pointBox(const Vec3 &p) {
+    Bounds box;
+    box.add(p);
+    return box;
+}
+
+Light quadAbove(float height, float side, float radiance) {
+    Light quad; // facing down
+    quad.corner = DVec3(-side / 2, side / 2, height);
+    quad.u = DVec3(side, 0, 0);
+    quad.v = DVec3(0, -side, 0);
+    quad.radiance = Vec3(radiance);
+    return quad;
+}
+
+/// A metal plate under a small lamp, a sky or both.
+Scene plateUnder(float alpha, float lamp, float sky) {
+    Scene scene = smallScene(makeObject(makeGrid(8, 8, 1.6F)), ggxMaterial(alpha, alpha), 24);
+    scene.lights = {quadAbove(2, 0.5F, lamp)};
+    if (lamp == 0) scene.lights.clear();
+    scene.environment.reset();
+    if (sky > 0) scene.environment = constantEnvironment(Vec3(sky));
+    return scene;
+}
+
+/// Root mean square error of an image against a mean of many, both relative to that.
+struct Study {
+    std::vector<double> mean;
+    double variance = 0; ///< of an image, sum over its values
+};
+Study study(const Scene &scene, Multiscatter model, int spp, std::uint32_t seeds) {
+    ScenePlan plan = fullPlan(scene);
+    for (MultiscatterPlan &material : plan.materials) material.model = model;
+    Study s;
+    std::vector<double> squares;
+    for (std::uint32_t seed = 1; seed <= seeds; ++seed) {
+        const std::vector<float> image = chart::renderImage(scene, plan, 1, spp, seed).values;
+        s.mean.resize(image.size());
+        squares.resize(image.size());
+        for (std::size_t i = 0; i < image.size(); ++i) {
+            s.mean[i] += static_cast<double>(image[i]) / seeds;
+            squares[i] += sqr(static_cast<double>(image[i])) / seeds;
+        }
+    }
+    for (std::size_t i = 0; i < squares.size(); ++i) s.variance += (squares[i] - sqr(s.mean[i])) * seeds / (seeds - 1);
+    return s;
+}
+
+} // namespace
+
+TEST_CASE("Coverage is the share of the hemisphere that lights fill", "[plan][noise]") {
+    Scene scene;
+    CHECK(lightCoverage(lightsOf(scene, 1), pointBox(Vec3(0)), 0) == 1);
+    scene.environment = constantEnvironment(Vec3(0.3F));
+    CHECK(lightCoverage(lightsOf(scene, 1), pointBox(Vec3(0)), 0) == Approx(1));
+    // Half of the sphere bright, the other black.
+    scene.environment->constant = false;
+    scene.environment->width = 2;
+    scene.environment->height = 1;
+    scene.environment->texels = {Vec3(1), Vec3(0)};
+    CHECK(lightCoverage(lightsOf(scene, 1), pointBox(Vec3(0)), 0) == Approx(0.5));
+    // A lamp alone, from far: its solid angle over the hemisphere's; one that looks away lights nothing.
+    scene.environment.reset();
+    scene.lights = {quadAbove(10, 0.5F, 7)};
+    const float angle = 0.25F / 100;
+    CHECK(lightCoverage(lightsOf(scene, 1), pointBox(Vec3(0)), 0) == Approx(angle / (2 * kPi)).epsilon(0.01));
+    CHECK(lightCoverage(lightsOf(scene, 1), pointBox(Vec3(0)), 0.1F) == Approx(0.1F / (2 * kPi)).epsilon(0.01));
+    CHECK(lightCoverage(lightsOf(scene, 1), pointBox(Vec3(0, 0, 20)), 0) == 1); // dark: nothing to find
+    Light ball = scene.lights[0];
+    ball.type = LightType::Sphere;
+    ball.corner = DVec3(0, 0, 10);
+    ball.radius = 0.3;
+    scene.lights = {ball};
+    CHECK(lightCoverage(lightsOf(scene, 1), pointBox(Vec3(0)), 0) == Approx(kPi * 0.09F / 100 / (2 * kPi)).epsilon(0.01));
+    // Two of the same size: twice as much; a box reaches up to the light.
+    scene.lights.push_back(ball);
+    scene.lights[1].corner = DVec3(10, 0, 0);
+    const float both = lightCoverage(lightsOf(scene, 1), pointBox(Vec3(0)), 0);
+    CHECK(both == Approx(kPi * 0.09F / 100 / kPi).epsilon(0.01));
+    Bounds box = pointBox(Vec3(0));
+    box.add(Vec3(0, 0, 9));
+    CHECK(lightCoverage(lightsOf(scene, 1), box, 0) > 5 * both);
+    // A mesh that shines is a light as well.
+    Scene glowing;
+    glowing.objects.push_back(makeObject(makeSphere(16, 8, 0.3F)));
+    glowing.objects[0].placement.translation = DVec3(0, 0, 10);
+    glowing.objects[0].emission.value = Vec3(5);
+    CHECK(lightCoverage(lightsOf(glowing, 1), pointBox(Vec3(0)), 0) < 0.01F);
+}
+
+TEST_CASE("Without a tolerance a plan leaves light of several facets out where it would be noise", "[plan][noise]") {
+    const auto planAt = [](Scene scene, int spp, std::optional<float> tolerance) {
+        scene.render.spp = spp;
+        return makePlan(scene, tolerance);
+    };
+    const Scene lamp = plateUnder(0.15F, 20, 0);
+    const ScenePlan few = planAt(lamp, 16, {});
+    CHECK(few.materials[0].model == Multiscatter::Off);
+    CHECK(few.errorInNoise > kDefaultTolerance);
+    CHECK(few.predictedError <= kDefaultTolerance);
+    REQUIRE(few.materials[0].question);
+    CHECK(few.materials[0].question->choices.back().noise > few.errorInNoise);
+    const ScenePlan many = planAt(lamp, 4096, {});
+    CHECK(many.materials[0].model == Multiscatter::Walk);
+    CHECK(many.errorInNoise == 0);
+    // Four times the samples, half the noise.
+    CHECK(planAt(lamp, 64, {}).materials[0].question->choices.back().noise ==
+          Approx(0.5F * few.materials[0].question->choices.back().noise));
+    // A tolerance that is asked for is kept, whatever the noise; even light brings none.
+    CHECK(planAt(lamp, 16, kDefaultTolerance).materials[0].model == Multiscatter::Walk);
+    CHECK(planAt(plateUnder(0.15F, 0, 1), 1, {}).materials[0].model == Multiscatter::Walk);
+    // What is asked for by name stays.
+    Scene named = lamp;
+    named.materials[0].multiscatter = Multiscatter::Walk;
+    CHECK_FALSE(planAt(named, 1, {}).materials[0].question);
+}
+
+TEST_CASE("The default plan errs no more than the better of single scattering and the walk", "[plan][noise]") {
+    std::printf("%-22s %4s %8s %10s %10s\n", "scene", "spp", "plan", "off", "walk");
+    const std::pair<const char *, Scene> scenes[] = {{"smooth under a lamp", plateUnder(0.15F, 20, 0)},
+                                                     {"smooth, lamp and sky", plateUnder(0.2F, 20, 0.3F)},
+                                                     {"rough under a lamp", plateUnder(0.5F, 20, 0)},
+                                                     {"smooth under a sky", plateUnder(0.15F, 0, 1)}};
+    for (const auto &[name, base] : scenes)
+        for (const int spp : {4, 64, 256}) {
+            Scene scene = base;
+            scene.render.spp = spp;
+            const Study off = study(scene, Multiscatter::Off, spp, spp > 64 ? 8 : 24);
+            const Study walk = study(scene, Multiscatter::Walk, spp, spp > 64 ? 8 : 24);
+            double bias = 0;
+            double size = 0;
+            for (std::size_t i = 0; i < off.mean.size(); ++i) {
+                bias += sqr(off.mean[i] - walk.mean[i]);
+                size += sqr(walk.mean[i]);
+            }
+            const double single = std::sqrt((bias + off.variance) / size);
+            const double walked = std::sqrt(walk.variance / size);
+            const Multiscatter model = makePlan(scene).materials[0].model;
+            std::printf("%-22s %4d %8s %10.4f %10.4f\n", name, spp, model == Multiscatter::Off ? "off" : "walk", single, walked);
+            INFO(name << " at " << spp);
+            CHECK((model == Multiscatter::Off ? single : walked) <= 1.15 * std::min(single, walked) + 1e-6);
+        }
+}
