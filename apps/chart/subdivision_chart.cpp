@@ -17,9 +17,8 @@ namespace taut::chart {
 
 namespace {
 
-constexpr int kFinest = kMaxSubdivisionLevel;
-constexpr int kAround = 16;
-constexpr int kAcross = 8;
+constexpr int kAround = 12;
+constexpr int kAcross = 6;
 constexpr int kSpp = 64;
 
 /// Megabytes allocated by this process, Embree's included.
@@ -63,13 +62,13 @@ void prepare(Choice &choice) {
 int plannedLevel() {
     Scene scene = twistedTorus(true, 0);
     scene.objects[0].planLevel = true;
-    return makePlan(scene, kDefaultTolerance).meshes[0].subdivisionLevel;
+    return makePlan(scene).meshes[0].subdivisionLevel;
 }
 
 std::vector<Choice> choices() {
     std::vector<Choice> all;
     for (const bool limit : {true, false})
-        for (int level = 0; level < kFinest; ++level) {
+        for (int level = 0; level <= kMaxSubdivisionLevel; ++level) {
             if (!limit && level == 0) continue; // the cage is the same mesh in both
             Choice choice;
             choice.limit = limit;
@@ -86,8 +85,9 @@ Panel panelOf(const std::string &name, const std::string &title, const Axis &x, 
     const int planned = plannedLevel();
     const auto isDefault = [planned](int level) { return level == SubdivisionOptions{}.level || level == planned; };
     Panel panel{name, title, "", x, {"RMS error of the image, relative", ""}, {}};
-    panel.conditions = "torus of 16 x 8 quads, twisted and waved; 96 x 96 pixels, 64 samples, three seeds or more; reference: level " +
-                       std::to_string(kFinest) + " of the same kind, the same random numbers";
+    panel.conditions = "torus of " + std::to_string(kAround) + " x " + std::to_string(kAcross) +
+                       " quads, twisted and waved; 96 x 96 pixels, 64 samples, three seeds or more; reference: level " +
+                       std::to_string(kReferenceLevel) + " of the same kind, the same random numbers";
     panel.joined = true;
     for (std::size_t i = 0; i < all.size(); ++i)
         panel.points.push_back({all[i].limit ? "limit surface" : "triangles", "level " + std::to_string(all[i].level), cost(i),
@@ -114,7 +114,7 @@ Chart measureSubdivision(const ChartOptions &options) {
     Choice finest[2];
     for (Choice &choice : finest) {
         choice.limit = &choice == finest;
-        choice.level = kFinest;
+        choice.level = kReferenceLevel;
         prepare(choice);
     }
     for (int seed = 1; seed <= (quick ? 3 : 9); ++seed) {
@@ -135,7 +135,7 @@ Chart measureSubdivision(const ChartOptions &options) {
     chart.compared = "A cage that is deformed and then put on its limit surface, refined to a level, with the limit's own derivatives; and "
                      "triangles: the "
                      "same surface refined at rest, its vertices deformed one by one. Each against itself at level " +
-                     std::to_string(kFinest) + ", where the image has converged.";
+                     std::to_string(kReferenceLevel) + ", where the image has converged.";
     chart.howToRead =
         "Down is closer to the converged image, left is cheaper. Level 0 is the cage itself. The lines run from level to level.";
     chart.panels.push_back(panelOf("time", "A frame of the surface: deformation, gradient, BVH built anew",

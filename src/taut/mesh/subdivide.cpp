@@ -83,8 +83,8 @@ double predictedWeights(const Mesh &cage, int level) {
 }
 
 void checkSize(const Mesh &cage, int level) {
-    if (level < 0 || level > kMaxSubdivisionLevel)
-        fail(cage, "found level " + std::to_string(level) + ", expected 0 to " + std::to_string(kMaxSubdivisionLevel));
+    if (level < 0 || level > kReferenceLevel)
+        fail(cage, "found level " + std::to_string(level) + ", expected 0 to " + std::to_string(kReferenceLevel));
     const auto maxIndex = static_cast<std::size_t>(std::numeric_limits<int>::max());
     if (level > 0 && (cage.positions.size() > maxIndex || cage.uvs.size() > maxIndex || predictedWeights(cage, level) > kMaxWeights))
         fail(cage, std::to_string(cage.faceCount()) + " faces (or their valences) are too many for level " + std::to_string(level));

@@ -31,7 +31,7 @@ enum class SubdivisionBoundary {
 };
 
 struct SubdivisionOptions {
-    int level = 0; ///< 0 to kMaxSubdivisionLevel
+    int level = 0; ///< 0 to kReferenceLevel
     SubdivisionScheme scheme = SubdivisionScheme::CatmullClark;
     SubdivisionBoundary boundary = SubdivisionBoundary::EdgeAndCorner;
     float creaseAngle = kPi; ///< radians: edges whose faces turn by more than this are infinitely sharp, beside the mesh's own
@@ -52,7 +52,10 @@ struct Subdivision {
     TangentTable tangents;  ///< empty at level 0
 };
 
+/// The finest level that scene files and plans may ask for.
 inline constexpr int kMaxSubdivisionLevel = 5;
+/// The finest that there is: what the error of the other is measured against.
+inline constexpr int kReferenceLevel = kMaxSubdivisionLevel + 1;
 
 /// Refines `cage` uniformly. Non-manifold edges and vertices are kept as infinitely sharp features. A crease or corner sharper
 /// than `level` counts as infinitely sharp from there on. UVs are refined face-varying, their island boundaries smoothly but for
