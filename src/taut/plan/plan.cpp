@@ -31,9 +31,11 @@ constexpr float kVertexCost = 16;
 constexpr float kLeanCost = 21;
 constexpr float kLimitCost = 83;
 constexpr float kAnalyticCost = 128;
-constexpr float kCompensationCost = 330;
-constexpr float kWalkCost = 1200; ///< 340, for three and a half times the variance
-constexpr float kRefitCost = 45;  ///< a vertex, of its BVH
+constexpr float kCompensationCost = 240; ///< over single scattering, as the walk's, from chart multiscatter
+constexpr float kWalkCost = 60;
+constexpr float kWalkLossCost = 550; ///< more, for each part of the light that meets several facets
+constexpr float kWalkVariance = 14;  ///< and that much more variance, each part over the variance of single scattering
+constexpr float kRefitCost = 45;     ///< a vertex, of its BVH
 
 /// Level at which refinement errors are measured; those of the others follow, at a factor of four a level.
 constexpr int kProbeLevel = 2;
@@ -192,10 +194,11 @@ MultiscatterPlan planMultiscatter(const Material &material, const Vec2 &greatest
     const float loss = lossAt(greatestAlpha);
     plan.negligibleLoss = 0.5F * budget / kGrazingLoss;
     Question q{"multiscatter", "ns a hit at equal noise", {{"off", kGrazingLoss * loss, 0}}, 0};
-    if (material.type == MaterialType::Conductor)
+    const float walkCost = (kWalkCost + kWalkLossCost * loss) * (1 + kWalkVariance * loss);
+    if (material.type == MaterialType::Conductor && kCompensationCost < walkCost)
         q.choices.push_back(
             {"compensation where M asks for it", kGrazingLoss * plan.negligibleLoss + kCompensationLobeError * loss, kCompensationCost});
-    q.choices.push_back({"walk", 0, kWalkCost});
+    q.choices.push_back({"walk", 0, walkCost});
     float left = budget;
     take(q, left);
     const bool walks = q.taken + 1 == q.choices.size();
