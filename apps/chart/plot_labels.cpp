@@ -25,6 +25,7 @@ const std::string &textOf(const Point &p) {
 }
 
 constexpr double kMark = 7;        ///< half a mark
+constexpr double kRing = 12;       ///< half of a default's
 constexpr double kCharacter = 6.8; ///< of an 11 pixel font, wide ones
 constexpr double kHalfHeight = 7;
 
@@ -35,7 +36,10 @@ std::vector<PlotLabel> placeLabels(const Panel &panel, const std::vector<std::si
     const auto across = [&](double value) { return area.width * (area.left + (area.right - area.left) * x.share(value)); };
     const auto upwards = [&](double value) { return area.height * (area.bottom + (area.top - area.bottom) * y.share(value)); };
     std::vector<Box> taken;
-    for (const Point &p : panel.points) taken.push_back({across(p.x.value), upwards(p.y.value), kMark, kMark});
+    for (const Point &p : panel.points) {
+        const double half = p.isDefault ? kRing : kMark;
+        taken.push_back({across(p.x.value), upwards(p.y.value), half, half});
+    }
     for (std::size_t i = 0; i < panel.points.size(); ++i) { // bars of spread
         const Point &p = panel.points[i];
         const Box mark = taken[i];
@@ -84,12 +88,20 @@ std::vector<PlotLabel> placeLabels(const Panel &panel, const std::vector<std::si
     for (const std::size_t i : order) {
         const Box point = taken[i];
         const double half = kCharacter * static_cast<double>(lengthOf(textOf(panel.points[i]))) / 2;
-        const double aside = half + kMark + 3;
-        const double above = kHalfHeight + kMark + 2;
-        const Box places[] = {{point.x + aside, point.y, half, kHalfHeight},         {point.x - aside, point.y, half, kHalfHeight},
-                              {point.x, point.y + above, half, kHalfHeight},         {point.x, point.y - above, half, kHalfHeight},
-                              {point.x + aside, point.y + above, half, kHalfHeight}, {point.x - aside, point.y + above, half, kHalfHeight},
-                              {point.x + aside, point.y - above, half, kHalfHeight}, {point.x - aside, point.y - above, half, kHalfHeight}};
+        const double aside = half + point.halfWidth + 3;
+        const double above = kHalfHeight + point.halfHeight + 2;
+        std::vector<Box> places;
+        const auto add = [&](double dx, double dy) { places.push_back({point.x + dx, point.y + dy, half, kHalfHeight}); };
+        add(aside, 0);
+        add(-aside, 0);
+        for (const double far : {1.0, 1.7}) {
+            add(0, far * above);
+            add(0, -far * above);
+            add(aside, far * above);
+            add(-aside, far * above);
+            add(aside, -far * above);
+            add(-aside, -far * above);
+        }
         for (const Box &place : places) {
             const bool inside = place.x - half > area.width * area.left && place.x + half < area.width * area.right &&
                                 place.y - kHalfHeight > area.height * area.bottom && place.y + kHalfHeight < area.height * area.top;

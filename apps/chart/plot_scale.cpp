@@ -22,7 +22,10 @@ Tics linearTics(double low, double high) {
     const double power = std::pow(10.0, std::floor(std::log10(rough)));
     const double step = power * (rough < 2 * power ? 2 : rough < 5 * power ? 5 : 10);
     Tics tics;
-    for (double k = std::ceil(low / step); k * step <= high; ++k) tics.emplace_back(shortNumber(k * step), k * step);
+    for (double k = std::ceil(low / step); k * step <= high; ++k) {
+        const double at = k == 0 ? 0 : k * step; // not -0
+        tics.emplace_back(shortNumber(at), at);
+    }
     return tics;
 }
 
@@ -91,7 +94,7 @@ PlotScale::PlotScale(const Axis &axis, const std::vector<Measured> &values) : lo
         }
     } else {
         const double room = std::max((high - low) * 0.08, 1e-3 * std::fabs(high) + 1e-30);
-        low_ = zeroAt_ = low >= 0 && low < 0.4 * high ? 0 : low - room;
+        low_ = zeroAt_ = low > 0 && low < 0.4 * high ? 0 : low - room; // a mark at 0 keeps clear of the other axis
         high_ = infiniteAt_ = high + room;
         tics_ = linearTics(low_, high_);
         if (infinities) high_ += 2 * room;

@@ -133,7 +133,7 @@ std::string panelScript(const Panel &panel, const Shape &shape, Format format, c
             // An end that would leave a logarithmic axis stops at its end.
             const auto end = [](const PlotScale &scale, const Measured &m, double sign, double at) {
                 const double value = m.value + sign * m.spread;
-                if (!std::isfinite(value)) return at;
+                if (m.spread == 0 || !std::isfinite(value)) return at;
                 return value <= 0 && scale.logarithmic() ? scale.low() : scale.place(value);
             };
             text += number(px) + " " + number(py) + " " + number(end(x, p.x, -1, px)) + " " + number(end(x, p.x, 1, px)) + " " +

@@ -31,10 +31,11 @@ Scene shearedTorus(const Material &material, double shear, bool ground, int maxE
     scene.render.width = scene.render.height = kSize;
     scene.render.boxFilter = true;
     scene.render.maxEvents = maxEvents;
-    scene.materials = {material, brushedMetal(0.2F, 0.2F)};
+    scene.materials = {material};
     scene.objects.push_back(objectOf(makeTorus(96, 48, 1, 0.4F)));
     scene.objects[0].deformers = {constantDeformer(DeformerType::Shear, shear, 0, 2)};
     if (ground) {
+        scene.materials.push_back(brushedMetal(0.2F, 0.2F));
         scene.objects.push_back(objectOf(makeGrid(1, 1, 20)));
         scene.objects[1].materials = {1};
         scene.objects[1].placement.translation = DVec3(0, 0, -0.4);
@@ -198,8 +199,7 @@ double timeRatio(const Panel &panel, const std::string &slower, const std::strin
 Panel besideCycles(const StudyScene &study, const std::string &conditions, int reference, int rounds, const std::filesystem::path &folder) {
     Scene scene = withoutWalk(study.scene);
     for (Object &object : scene.objects) object.follow = false;
-    scene.materials[0].name = "metal";
-    scene.materials[1].name = "ground";
+    for (Material &material : scene.materials) material.name = &material == &scene.materials[0] ? "metal" : "ground";
     Panel panel = emptyPanel("cycles-" + study.name, study.title + ": Cycles",
                              conditions + ", gloss held fixed; scene and BVH in memory; in Cycles nothing that trades truth for speed");
     panel.x.name = "time of a render";

@@ -149,13 +149,22 @@ Chart measureSubdivision(const ChartOptions &options) {
     chart.panels.push_back(panelOf("triangles", "Triangles", {"triangles", ""}, all, [&](std::size_t i) {
         return Measured{static_cast<double>(all[i].triangles()), 0, 1};
     }));
+    const std::size_t finestLimit = kMaxSubdivisionLevel;
+    const std::size_t finestTriangles = all.size() - 1;
+    const auto over = [&](double limit, double triangles) { return digits(limit / triangles, 2); };
+    const int planned = plannedLevel();
     chart.choice =
         "Default: level " + std::to_string(SubdivisionOptions{}.level) +
         ": a mesh is taken as its file has it, the cheapest choice; whether it is meant as a cage only its maker knows. Where it is one, "
         "subdivision = \"auto\" lets the plan choose, here level " +
-        std::to_string(plannedLevel()) + " for a predicted error within " + digits(static_cast<double>(kDefaultTolerance)) +
-        "; the limit surface is closer to its converged image than as many triangles deformed one by one, at the same time or less "
-        "but with twice the memory (its rows of weights). In a whole frame the first levels cost little beside the rays.";
+        std::to_string(planned) + ", whose true error is " + digits(medianOf(all[static_cast<std::size_t>(planned)].errors).value, 2) +
+        ", for a predicted one within " + digits(static_cast<double>(kDefaultTolerance)) + ". At level " +
+        std::to_string(kMaxSubdivisionLevel) + " the limit surface has " +
+        over(medianOf(all[finestLimit].errors).value, medianOf(all[finestTriangles].errors).value) +
+        " of the error of as many triangles deformed one by one, takes " +
+        over(surface[finestLimit].value, surface[finestTriangles].value) + " of their time and " +
+        over(all[finestLimit].megabytes, all[finestTriangles].megabytes) +
+        " times their memory (its rows of weights). In a whole frame the first levels cost little beside the rays.";
     return chart;
 }
 
