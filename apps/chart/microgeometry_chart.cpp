@@ -53,7 +53,7 @@ void addHistogram(Chart &chart, const Deformation &deformation, const std::vecto
     const std::vector<Measured> seconds = timeInterleaved(runs, rounds);
     panel.points.push_back({"M, closed form", "", seconds[0], {totalVariation(closed, expected), 0, 1}, true});
     for (std::size_t i = 0; i < facets.size(); ++i)
-        panel.points.push_back({"facets, counted", digits(static_cast<double>(facets[i])), seconds[i + 1], medianOf(errors[i])});
+        panel.points.push_back({"facets, counted", count(static_cast<double>(facets[i])), seconds[i + 1], medianOf(errors[i])});
     chart.panels.push_back(std::move(panel));
 }
 
@@ -65,7 +65,7 @@ void addHistogramPicture(Chart &chart, const Deformation &deformation, std::size
     const std::filesystem::path file = directory / (std::string("microgeometry_normals_") + deformation.name + "_disk.png");
     writeImage(file.string(), {{0, 0, painted.width, painted.height}, painted.width, painted.height, {"R", "G", "B"}, painted.rgb}, {});
     chart.pictures.push_back({std::string("Normals on the disk (n.x, n.y), ") + deformation.title + ": left counted on " +
-                                  digits(static_cast<double>(mesh.faceCount())) + " facets, right D_M cos.",
+                                  count(static_cast<double>(mesh.faceCount())) + " facets, right D_M cos.",
                               file});
 }
 
@@ -89,7 +89,7 @@ void addHighlight(Chart &chart, const Deformation &deformation, const std::vecto
     panel.name = std::string(allBounces ? "highlight_all_" : "highlight_") + deformation.name;
     panel.title = std::string(allBounces ? "Highlight, all bounces, " : "Highlight, one bounce, ") + deformation.title;
     panel.conditions = "A plate of 24 x 24 pixels, each a whole patch seen from where it is; " + std::to_string(samples) +
-                       " samples a pixel, compared as means of 2 x 2 pixels with a patch of " + digits(static_cast<double>(most)) +
+                       " samples a pixel, compared as means of 2 x 2 pixels with a patch of " + count(static_cast<double>(most)) +
                        " other facets at 4 times the samples. M: " + (allBounces ? "the random walk." : "single scattering.") +
                        " Time: making, deforming, BVH and picture.";
     panel.x = {"time", "s"};
@@ -111,9 +111,9 @@ void addHighlight(Chart &chart, const Deformation &deformation, const std::vecto
     const std::vector<Measured> seconds = timeInterleaved(runs, quick ? 3 : 9);
     panel.points.push_back({"M", "", seconds[0], medianOf(errors[0]), true});
     for (std::size_t i = 0; i < facets.size(); ++i)
-        panel.points.push_back({"facets", digits(static_cast<double>(facets[i])), seconds[i + 1], medianOf(errors[i + 1])});
+        panel.points.push_back({"facets", count(static_cast<double>(facets[i])), seconds[i + 1], medianOf(errors[i + 1])});
     chart.pictures.push_back(writeStrip(options.directory, "microgeometry_" + panel.name + "_picture",
-                                        panel.title + ". From left: " + digits(static_cast<double>(most)) +
+                                        panel.title + ". From left: " + count(static_cast<double>(most)) +
                                             " facets traced one by one; M; their difference times 2.",
                                         {truth, fromM, difference(truth, fromM, 2)}, kHighlightSize, exposureOf(truth), 10));
     chart.panels.push_back(std::move(panel));

@@ -74,7 +74,8 @@ void addSurface(Chart &chart, const Surface &surface, bool quick) {
     all.name = surface.name;
     all.title = std::string("Rejected against time, ") + surface.title;
     all.conditions = "One thread; direction, density and weight, prepared anew for every sample; means over views at";
-    for (const float theta : surface.thetas) all.conditions += " " + std::to_string(static_cast<int>(theta));
+    for (const float &theta : surface.thetas)
+        all.conditions += (&theta == &surface.thetas.front() ? " " : ", ") + std::to_string(static_cast<int>(theta));
     all.conditions += " degrees, 512 azimuths each, " + std::to_string(u.size()) + " samples.";
     all.x = {"time per valid sample", "ns"};
     all.y = {"rejected share", ""};

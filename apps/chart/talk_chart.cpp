@@ -207,7 +207,7 @@ void addDisk(Chart &chart, const ChartOptions &options) {
     const std::filesystem::path file = options.directory / "talk_disk_picture.png";
     writeImage(file.string(), {{0, 0, painted.width, painted.height}, painted.width, painted.height, {"R", "G", "B"}, painted.rgb}, {});
     chart.pictures.push_back({"Normals of the standard microsurface (alpha 1) on the disk (n.x, n.y): left counted on " +
-                                  digits(static_cast<double>(mesh.faceCount())) +
+                                  count(static_cast<double>(mesh.faceCount())) +
                                   " facets of a heightfield, right D cos = cos / pi, which fills it evenly.",
                               file});
 }

@@ -15,6 +15,11 @@ inline std::string digits(double x, int count = 3) {
     return text;
 }
 
+/// A large count: 250k, 1.05M.
+inline std::string count(double n) {
+    return n >= 1e6 ? digits(n / 1e6) + "M" : n >= 1e3 ? digits(n / 1e3) + "k" : digits(n);
+}
+
 /// The first point of a series; the panel has one.
 inline const Point &pointOf(const Panel &panel, const std::string &series) {
     return *std::find_if(panel.points.begin(), panel.points.end(), [&](const Point &p) { return p.series == series; });
