@@ -16,11 +16,16 @@ std::string shortNumber(double value) {
     return text;
 }
 
+/// Whether a power of ten is written out.
+bool isPlain(int exponent) {
+    return exponent >= -2 && exponent <= 4;
+}
+
 /// Multiples of 1, 2 or 5 times a power of ten, about five of them.
 Tics linearTics(double low, double high) {
     const double rough = (high - low) / 5;
     const double power = std::pow(10.0, std::floor(std::log10(rough)));
-    const double step = power * (rough < 2 * power ? 2 : rough < 5 * power ? 5 : 10);
+    const double step = power * (rough < 1.5 * power ? 1 : rough < 3.5 * power ? 2 : rough < 7.5 * power ? 5 : 10);
     Tics tics;
     for (double k = std::ceil(low / step); k * step <= high; ++k) {
         const double at = k == 0 ? 0 : k * step; // not -0
@@ -43,8 +48,8 @@ Tics logarithmicTics(double low, double high) {
         };
         if (exponent % step == 0) add(power, powerOfTen(exponent));
         if (decades > 2.2) continue;
-        add(2 * power, shortNumber(2 * power));
-        add(5 * power, shortNumber(5 * power));
+        for (const int factor : {2, 5})
+            add(factor * power, isPlain(exponent) ? shortNumber(factor * power) : std::to_string(factor) + "·" + powerOfTen(exponent));
     }
     return tics;
 }
@@ -52,7 +57,7 @@ Tics logarithmicTics(double low, double high) {
 } // namespace
 
 std::string powerOfTen(int exponent) {
-    if (exponent >= -2 && exponent <= 4) return shortNumber(std::pow(10.0, exponent));
+    if (isPlain(exponent)) return shortNumber(std::pow(10.0, exponent));
     static constexpr const char *kDigits[] = {"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
     std::string text = exponent < 0 ? "10⁻" : "10";
     for (const char c : std::to_string(std::abs(exponent))) text += kDigits[c - '0'];
