@@ -143,25 +143,12 @@ class ScatteringPoint {
         return e;
     }
 
-    /// Refraction lobe (Walter et al. 2007, eq. 21, as radiance: without the factor eta^2) for wi.z < 0.
+    /// Refraction lobe, for wi.z < 0.
     [[nodiscard]] BsdfEval transmission(const Vec3 &wi) const {
         if (wi.z >= 0) return {};
-        const Vec3 h = facet::refractionHalf(wo_, wi, bsdf_.eta);
-        const float inverse = 1 / glm::length(h);
-        const float cosO = glm::dot(wo_, h) * inverse;
-        const float jacobian = facet::refractionJacobian(cosO, glm::dot(wi, h) * inverse, bsdf_.eta);
-        if (!(jacobian > 0)) return {};
-        const float density = ggx::distribution(bsdf_.micro, h);
-        const float transmitted = 1 - fresnel::dielectric(cosO, bsdf_.eta);
-        const float visible = 2 * cosO * density / area_; // D_vis
-        const float lambdaI = ggx::lambda(bsdf_.micro, wi);
-        // G2 / G1(wo): what is left of the light on its way out.
-        const float lambdaO = ggx::lambda(bsdf_.micro, wo_);
-        const float leaving = wo_.z > 0 ? ggx::shadowing(lambdaO, lambdaI, false, bsdf_.correlated) * (1 + lambdaO) : 1 / (1 + lambdaI);
-        BsdfEval e;
-        e.pdf = transmitted * visible * jacobian;
-        e.fCos = bsdf_.tint * (transmitted * visible * leaving * jacobian / (bsdf_.eta * bsdf_.eta));
-        return e;
+        const LobeView view{length_, area_, 0, bsdf_.correlated};
+        const BsdfEval e = refractionLobe(bsdf_.micro, view, wo_, wi, bsdf_.eta, bsdf_.tint);
+        return e.pdf > 0 ? e : BsdfEval{};
     }
 
     const Bsdf &bsdf_;

@@ -6,15 +6,15 @@
 namespace taut::fresnel {
 
 /// Dielectric interface; eta = index beyond / index on the viewer's side. 1 at total internal reflection.
-inline float dielectric(float cosine, float eta) {
+[[gnu::always_inline]] inline float dielectric(float cosine, float eta) {
     const float c = glm::clamp(cosine, 0.0F, 1.0F);
     const float g2 = eta * eta - 1 + c * c;
-    if (g2 <= 0) return 1;
-    const float g = std::sqrt(g2);
+    const float g = std::sqrt(std::fabs(g2)); // no branch: loops are vectorised
     // Walter et al. 2007, eq. 22.
     const float a = (g - c) / (g + c);
     const float b = (c * (g + c) - 1) / (c * (g - c) + 1);
-    return 0.5F * a * a * (1 + b * b);
+    const float reflected = 0.5F * a * a * (1 + b * b);
+    return g2 > 0 ? reflected : 1.0F;
 }
 
 /// Schlick 1994 with reflectance f0 at normal incidence.

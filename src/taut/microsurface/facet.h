@@ -6,19 +6,19 @@
 
 namespace taut::facet {
 
-/// The direction beyond the interface, or false at total internal reflection. `cosine` = <wo, wm> > 0, eta as above.
-inline bool refract(const Vec3 &wo, const Vec3 &wm, float cosine, float eta, Vec3 &wi) {
+/// The direction beyond the interface, or false at total internal reflection, where `wi` means nothing. `cosine` = <wo, wm> > 0, eta as
+/// above.
+[[gnu::always_inline]] inline bool refract(const Vec3 &wo, const Vec3 &wm, float cosine, float eta, Vec3 &wi) {
     const float inverse = 1 / eta;
     const float c2 = 1 - inverse * inverse * (1 - cosine * cosine);
-    if (!(c2 > 0)) return false;
-    wi = glm::normalize(wm * (inverse * cosine - std::sqrt(c2)) - wo * inverse);
-    return true;
+    wi = glm::normalize(wm * (inverse * cosine - std::sqrt(c2 > 0 ? c2 : 0.0F)) - wo * inverse);
+    return c2 > 0;
 }
 
 /// Normal of a facet that refracts wo to wi, towards wo, not normalised: the half vector of eq. 16 on the viewer's side.
 inline Vec3 refractionHalf(const Vec3 &wo, const Vec3 &wi, float eta) {
-    const Vec3 h = wo + eta * wi;
-    return eta > 1 ? -h : h;
+    const float sign = eta > 1 ? -1.0F : 1.0F;
+    return sign * (wo + eta * wi);
 }
 
 /// d wm / d wi of a refraction (eq. 17), from <wo, wm> > 0 and <wi, wm> < 0; 0 where no facet can do it.

@@ -31,6 +31,7 @@ TAUT_INLINE void geometryLoop(HitLanes &l) {
         const Vec3 wo = l.wo.at(i);
         l.woLocal.set(i, {glm::dot(wo, g.s), glm::dot(wo, g.t), glm::dot(wo, g.n)});
         l.clearance[i] = g.clearance;
+        l.facing[i] = g.facing;
         l.tangentX[i] = g.tangent.x;
         l.tangentY[i] = g.tangent.y;
         l.sense[i] = g.sense;
@@ -70,7 +71,7 @@ TAUT_INLINE void microLoop(HitLanes &l, const PlainMaterial &m) {
     }
 }
 
-TAUT_INLINE void viewLoop(HitLanes &l, float bearableWaste) {
+TAUT_INLINE void viewLoop(HitLanes &l, float bearableWaste, bool refracts) {
     const int count = l.padded();
 #pragma GCC ivdep
     for (int i = 0; i < count; ++i) {
@@ -78,12 +79,14 @@ TAUT_INLINE void viewLoop(HitLanes &l, float bearableWaste) {
         const Vec3 wo = l.woLocal.at(i);
         const float length = ggx::stretchedLength(m, wo);
         const float area = ggx::visibleArea(m, wo, length);
-        const float k = ggx::capBound(m, wo);
+        const float bound = ggx::capBound(m, wo);
+        const float k = refracts ? 1.0F : bound; // refraction needs all visible normals
         l.length[i] = length;
         l.area[i] = area;
         l.capBound[i] = k;
         l.pdfScale[i] = 0.5F / (k < 1 ? k * wo.z + length : area);
-        l.cone[i] = ReflectionSampler::prefersCone(m, wo, bearableWaste) ? 1 : 0;
+        const bool cone = ReflectionSampler::prefersCone(m, wo, bearableWaste);
+        l.cone[i] = cone && !refracts ? 1 : 0;
     }
 }
 
@@ -107,13 +110,34 @@ TAUT_INLINE void numbersLoop(HitLanes &l, const EventNumbers &numbers) {
     for (int i = 0; i < count; ++i) l.roulette[i] = sobol1(l.sample[i], hash(l.seed[i], numbers.roulette));
 }
 
-/// fCos and density of the material for wi, local. Below the horizon the density is 0 and fCos means nothing: selecting it would put
-/// square roots behind a branch.
+/// Index beyond the surface over that on the viewer's side.
+TAUT_INLINE float relativeIndex(const HitLanes &l, std::size_t i, const PlainMaterial &m) {
+    return l.facing[i] > 0 ? m.ior : 1 / m.ior;
+}
+
+/// fCos and density of the material for wi, local. Below the horizon of what only reflects the density is 0 and fCos means nothing:
+/// selecting it would put square roots behind a branch.
 template <PlainKind kKind, bool kCorrelated>
 TAUT_INLINE BsdfEval evaluateLane(const HitLanes &l, std::size_t i, const PlainMaterial &m, const Vec3 &wi) {
     if constexpr (kKind == PlainKind::Diffuse) {
         const float pdf = kInvPi * (wi.z > 0 ? wi.z : 0.0F);
         return {m.color * pdf, pdf};
+    } else if constexpr (kKind == PlainKind::Dielectric) {
+        const LobeView view{l.length[i], l.area[i], l.pdfScale[i], kCorrelated};
+        const float eta = relativeIndex(l, i, m);
+        const Vec3 wo = l.woLocal.at(i);
+        float facet = 1;
+        const BsdfEval reflected = reflectionLobe(
+            l.micro(i), view, wo, wi, [&](float cosine) __attribute__((always_inline)) {
+                facet = fresnel::dielectric(cosine, eta);
+                return Vec3(facet);
+            });
+        const BsdfEval refracted = refractionLobe(l.micro(i), view, wo, wi, eta, m.color);
+        const bool above = wi.z > 0;
+        const float reflectedPdf = reflected.pdf * facet;
+        return {Vec3(above ? reflected.fCos.x : refracted.fCos.x, above ? reflected.fCos.y : refracted.fCos.y,
+                     above ? reflected.fCos.z : refracted.fCos.z),
+                above ? reflectedPdf : refracted.pdf};
     } else {
         const LobeView view{l.length[i], l.area[i], l.pdfScale[i], kCorrelated};
         const BsdfEval e = reflectionLobe(
@@ -132,6 +156,14 @@ TAUT_INLINE Vec3 toLocal(const HitLanes &l, std::size_t i, const Vec3 &w) {
     return {glm::dot(w, l.s.at(i)), glm::dot(w, l.t.at(i)), glm::dot(w, l.n.at(i))};
 }
 
+/// How far along the geometric normal a ray starts that leaves to its `side`.
+template <PlainKind kKind> TAUT_INLINE float awayFrom(const HitLanes &l, std::size_t i, float side) {
+    if constexpr (kKind == PlainKind::Dielectric)
+        return side > 0 ? l.clearance[i] : -l.clearance[i];
+    else
+        return l.clearance[i];
+}
+
 template <PlainKind kKind, bool kCorrelated> TAUT_INLINE void connectLoop(HitLanes &l, const PlainMaterial &material) {
     const PlainMaterial m = material; // no store can change this one
     const int count = l.padded();
@@ -145,20 +177,36 @@ template <PlainKind kKind, bool kCorrelated> TAUT_INLINE void connectLoop(HitLan
         const float mis = l.lightWeighted[i] != 0 ? powerHeuristic(lightPdf, scattered.pdf) : 1.0F;
         const Vec3 contribution = l.throughput.at(i) * scattered.fCos * l.lightRadiance.at(i) * (mis / lightPdf);
         l.contribution.set(i, contribution);
-        l.shadowOrigin.set(i, l.position.at(i) + l.geometricNormal.at(i) * l.clearance[i]);
-        // Nothing below the shading horizon; nor where shading and geometric normal disagree about the side: no light leaks.
-        const float least = std::min(std::min(lightPdf, side), std::min(scattered.pdf, maxComponent(contribution)));
+        l.shadowOrigin.set(i, l.position.at(i) + l.geometricNormal.at(i) * awayFrom<kKind>(l, i, side));
+        // Nothing below the horizon of what only reflects; nor where shading and geometric normal disagree about the side: no light
+        // leaks.
+        const float agreed = kKind == PlainKind::Dielectric ? side * wi.z : side;
+        const float least = std::min(std::min(lightPdf, agreed), std::min(scattered.pdf, maxComponent(contribution)));
         l.connects[i] = least;
     }
 }
 
-template <PlainKind kKind> TAUT_INLINE void directionLoop(HitLanes &l) {
+template <PlainKind kKind> TAUT_INLINE void directionLoop(HitLanes &l, const PlainMaterial &material) {
+    const PlainMaterial m = material;
     const int count = l.padded();
 #pragma GCC ivdep
     for (int i = 0; i < count; ++i) {
         const Vec2 u(l.scatterU[i], l.scatterV[i]);
         if constexpr (kKind == PlainKind::Diffuse) {
             l.scatterLocal.set(i, squareToCosineHemisphere(u));
+        } else if constexpr (kKind == PlainKind::Dielectric) {
+            const float eta = relativeIndex(l, i, m);
+            const Vec3 wo = l.woLocal.at(i);
+            const Vec3 wm = ggx::sampleVisibleNormal(l.micro(i), wo, u);
+            const float cosine = glm::dot(wo, wm);
+            const bool reflects = l.coin[i] < fresnel::dielectric(cosine, eta);
+            const Vec3 reflected = glm::normalize(2 * cosine * wm - wo);
+            Vec3 refracted;
+            const bool through = facet::refract(wo, wm, cosine, eta, refracted);
+            const float beyond = through ? -refracted.z : -1.0F;
+            l.scatterLocal.set(
+                i, {reflects ? reflected.x : refracted.x, reflects ? reflected.y : refracted.y, reflects ? reflected.z : refracted.z});
+            l.usable[i] = std::min(cosine, reflects ? reflected.z : beyond);
         } else {
             const Vec3 wo = l.woLocal.at(i);
             const Vec3 wm = ggx::sampleVisibleNormal(l.micro(i), wo, u, l.capBound[i]);
@@ -180,13 +228,21 @@ template <PlainKind kKind, bool kCorrelated> TAUT_INLINE void scatterLoop(HitLan
         const Vec3 direction = world * (1 / std::sqrt(glm::dot(world, world)));
         const float side = glm::dot(direction, l.geometricNormal.at(i));
         Vec3 throughput = l.throughput.at(i) * weight;
-        const float chance = chanceToGoOn(throughput, l.etaScale[i]);
+        float etaScale = l.etaScale[i];
+        float usable = side;
+        if constexpr (kKind == PlainKind::Dielectric) {
+            const float eta = relativeIndex(l, i, m);
+            etaScale *= wi.z < 0 ? eta * eta : 1.0F;
+            usable = std::min(side * wi.z, l.usable[i]);
+        }
+        l.nextEtaScale[i] = etaScale;
+        const float chance = chanceToGoOn(throughput, etaScale);
         throughput *= 1 / (chance > 0 ? chance : 1.0F);
         l.nextThroughput.set(i, throughput);
         l.nextDirection.set(i, direction);
-        l.nextOrigin.set(i, l.position.at(i) + l.geometricNormal.at(i) * l.clearance[i]);
+        l.nextOrigin.set(i, l.position.at(i) + l.geometricNormal.at(i) * awayFrom<kKind>(l, i, side));
         l.scatterPdf[i] = e.pdf;
-        l.goesOn[i] = std::min(std::min(e.pdf, side), chance - l.roulette[i]);
+        l.goesOn[i] = std::min(std::min(e.pdf, usable), chance - l.roulette[i]);
     }
 }
 
@@ -194,19 +250,22 @@ template <PlainKind kKind, bool kCorrelated> TAUT_INLINE void scatterLoop(HitLan
 template <class Loop> TAUT_INLINE void byKind(PlainKind kind, const Loop &loop) {
     if (kind == PlainKind::Diffuse) return loop(std::integral_constant<PlainKind, PlainKind::Diffuse>());
     if (kind == PlainKind::Schlick) return loop(std::integral_constant<PlainKind, PlainKind::Schlick>());
-    loop(std::integral_constant<PlainKind, PlainKind::Conductor>());
+    if (kind == PlainKind::Conductor) return loop(std::integral_constant<PlainKind, PlainKind::Conductor>());
+    loop(std::integral_constant<PlainKind, PlainKind::Dielectric>());
 }
 
 #define TAUT_LOOPS(NAME, ...)                                                                                                              \
     struct NAME {                                                                                                                          \
         [[gnu::flatten __VA_ARGS__]] static void geometry(HitLanes &l) { geometryLoop(l); }                                                \
         [[gnu::flatten __VA_ARGS__]] static void micro(HitLanes &l, const PlainMaterial &m) { microLoop(l, m); }                           \
-        [[gnu::flatten __VA_ARGS__]] static void view(HitLanes &l, float waste) { viewLoop(l, waste); }                                    \
+        [[gnu::flatten __VA_ARGS__]] static void view(HitLanes &l, float waste, bool r) { viewLoop(l, waste, r); }                         \
         [[gnu::flatten __VA_ARGS__]] static void numbers(HitLanes &l, const EventNumbers &e) { numbersLoop(l, e); }                        \
         template <PlainKind kKind>[[gnu::flatten __VA_ARGS__]] static void connect(HitLanes &l, const PlainMaterial &m) {                  \
             m.correlated ? connectLoop<kKind, true>(l, m) : connectLoop<kKind, false>(l, m);                                               \
         }                                                                                                                                  \
-        template <PlainKind kKind>[[gnu::flatten __VA_ARGS__]] static void direction(HitLanes &l) { directionLoop<kKind>(l); }             \
+        template <PlainKind kKind>[[gnu::flatten __VA_ARGS__]] static void direction(HitLanes &l, const PlainMaterial &m) {                \
+            directionLoop<kKind>(l, m);                                                                                                    \
+        }                                                                                                                                  \
         template <PlainKind kKind>[[gnu::flatten __VA_ARGS__]] static void scatter(HitLanes &l, const PlainMaterial &m) {                  \
             m.correlated ? scatterLoop<kKind, true>(l, m) : scatterLoop<kKind, false>(l, m);                                               \
         }                                                                                                                                  \
@@ -229,7 +288,8 @@ PlainMaterial plainMaterial(const PreparedMaterial &prepared) {
     const bool single =
         m.multiscatter == Multiscatter::Off ||
         (m.multiscatter == Multiscatter::Auto && (m.masking != Masking::Correlated || prepared.multiscatter.model == Multiscatter::Off));
-    if (m.type != MaterialType::Conductor || textured || !single) return plain;
+    const bool facets = m.type == MaterialType::Conductor || m.type == MaterialType::Dielectric;
+    if (!facets || textured || !single) return plain;
     const RestRoughness rest = restRoughness(m, Scene{}, Vec2(0));
     plain.alphaX = rest.alphaX;
     plain.alphaY = rest.alphaY;
@@ -239,7 +299,8 @@ PlainMaterial plainMaterial(const PreparedMaterial &prepared) {
     }
     plain.bearableWaste = prepared.bearableWaste;
     plain.correlated = m.masking == Masking::Correlated;
-    plain.kind = m.hasConductorIor ? PlainKind::Conductor : PlainKind::Schlick;
+    plain.kind = m.type == MaterialType::Dielectric ? PlainKind::Dielectric : m.hasConductorIor ? PlainKind::Conductor : PlainKind::Schlick;
+    plain.ior = m.ior;
     plain.eta = m.conductorEta;
     plain.k = m.conductorK;
     return plain;
@@ -264,7 +325,7 @@ void view(HitLanes &lanes, const PlainMaterial &material, const EventNumbers &nu
             const BasicBlock<double> block = blockOf(lanes, static_cast<std::size_t>(i), material);
             setMicro(lanes, static_cast<std::size_t>(i), microTransform(block.a, block.b, block.c, block.d));
         }
-        Loops::view(lanes, material.bearableWaste);
+        Loops::view(lanes, material.bearableWaste, material.kind == PlainKind::Dielectric);
         lanes.cones.clear();
         for (int i = 0; i < lanes.count; ++i) {
             if (lanes.cone[i] == 0) continue;
@@ -318,7 +379,7 @@ void connect(HitLanes &lanes, const PlainMaterial &material, Instructions instru
 void scatter(HitLanes &lanes, const PlainMaterial &material, Instructions instructions) {
     onInstructions(instructions, [&](auto loops) {
         using Loops = decltype(loops);
-        byKind(material.kind, [&](auto kind) { Loops::template direction<kind()>(lanes); });
+        byKind(material.kind, [&](auto kind) { Loops::template direction<kind()>(lanes, material); });
         if (material.kind != PlainKind::Diffuse)
             for (int i = 0; i < lanes.count; ++i) {
                 if (lanes.cone[i] == 0) continue;

@@ -2,9 +2,9 @@
 /// Shading of many hits at once, structure of arrays: what hits on one plain material need, in loops that the compiler vectorises
 /// (base/instructions.h). The formulas are those of hits one by one, by the same functions, so the bits are the same.
 ///
-/// A material is plain where nothing but V and the frame changes from hit to hit: diffuse, or a conductor with single scattering; no
-/// textures, Poisson's ratio 0. A mesh is plain where it does not emit, lean or move while the shutter is open and V is interpolated as
-/// it is. All others go one by one (shading.h).
+/// A material is plain where nothing but V and the frame changes from hit to hit: diffuse, or a conductor or dielectric with single
+/// scattering; no textures, Poisson's ratio 0. A mesh is plain where it does not emit, lean or move while the shutter is open and V is
+/// interpolated as it is. All others go one by one (shading.h).
 ///
 /// The order of a batch: gather (integrator.cpp), view(), aim(), connect(), scatter().
 
@@ -40,7 +40,8 @@ struct alignas(64) HitLanes {
     // view(): frame, M and the numbers of this event.
     Vectors geometricNormal, s, t, n, woLocal;
     float clearance[kSize];
-    Vectors stretch; ///< in the frame: ss, st, tt
+    float facing[kSize]; ///< 1: seen from the outside, else -1
+    Vectors stretch;     ///< in the frame: ss, st, tt
     float tangentX[kSize], tangentY[kSize], sense[kSize];
     float a[kSize], b[kSize], d[kSize], inverseA[kSize], inverseD[kSize], det[kSize];
     int inRange[kSize]; ///< whether a, b, d are M's; else singular values are to be clamped
@@ -60,7 +61,8 @@ struct alignas(64) HitLanes {
 
     // scatter(): the next ray; the path ends but where `goesOn` > 0.
     Vectors scatterLocal, nextOrigin, nextDirection, nextThroughput;
-    float scatterPdf[kSize];
+    float scatterPdf[kSize], nextEtaScale[kSize];
+    float usable[kSize]; ///< dielectrics: positive where the chosen lobe answers on its side
     float goesOn[kSize];
 
     /// Lanes that loops run over.
@@ -68,7 +70,7 @@ struct alignas(64) HitLanes {
     [[nodiscard]] MicroTransform micro(std::size_t i) const { return {a[i], b[i], d[i], 0, 0, inverseA[i], inverseD[i], det[i]}; }
 };
 
-enum class PlainKind : std::uint8_t { None, Diffuse, Schlick, Conductor };
+enum class PlainKind : std::uint8_t { None, Diffuse, Schlick, Conductor, Dielectric };
 
 /// A plain material as loops take it.
 struct PlainMaterial {
@@ -77,7 +79,8 @@ struct PlainMaterial {
     float cosine = 1, sine = 0; ///< of the rest rotation
     bool correlated = true;
     float bearableWaste = kBearableWaste; ///< Bsdf
-    Vec3 color{1};                        ///< albedo or F0
+    Vec3 color{1};                        ///< albedo, F0 or tint
+    float ior = 1.5F;                     ///< dielectrics
     Vec3 eta{1}, k{0};
 };
 PlainMaterial plainMaterial(const PreparedMaterial &prepared);

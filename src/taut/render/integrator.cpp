@@ -396,6 +396,7 @@ void PathTracer::State::shadeAtOnce(int event, const PlainMaterial &material, st
         }
         if (!(l.goesOn[k] > 0)) continue;
         path.throughput = l.nextThroughput.at(k);
+        path.etaScale = l.nextEtaScale[k];
         path.scatterPdf = l.scatterPdf[k];
         Ray next;
         next.origin = l.nextOrigin.at(k);
