@@ -120,6 +120,8 @@ TEST_CASE("chart: the median of times and how far it may be off", "[chart]") {
     CHECK(m.value == 3);
     CHECK(m.spread == 1);
     CHECK(m.repetitions == 5);
+    CHECK(medianOf({2, 1, 4}).spread == 1.5); // of three the least and the greatest
+    CHECK(medianOf({7}).spread == 0);
     std::vector<int> order;
     const std::vector<std::function<void()>> rows{[&] { order.push_back(0); }, [&] { order.push_back(1); }};
     CHECK(timeInterleaved(rows, 2).size() == 2);

@@ -255,9 +255,12 @@ Panel switchPanel(const std::vector<Stage> &stages, const std::string &condition
     panel.labelled = false;
     for (const Stage &stage : stages) {
         const double lost = stage.trace[0].value - stage.trace[2].value;
-        if (stage.growth > 1 && lost > stage.trace[0].spread + stage.trace[2].spread)
-            panel.points.push_back(
-                {"measured", digits(stage.twist), {stage.growth - 1}, {(stage.update[2].value - stage.update[0].value) / lost}, false});
+        const double lostSpread = stage.trace[0].spread + stage.trace[2].spread;
+        if (!(stage.growth > 1 && lost > lostSpread)) continue;
+        const double build = stage.update[2].value - stage.update[0].value;
+        const double rays = build / lost;
+        const double spread = rays * std::hypot((stage.update[2].spread + stage.update[0].spread) / build, lostSpread / lost);
+        panel.points.push_back({"measured", digits(stage.twist), {stage.growth - 1}, {rays, spread, stage.trace[0].repetitions}, false});
     }
     for (const Stage &stage : stages)
         if (stage.growth > 1) // else it never rebuilds

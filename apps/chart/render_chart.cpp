@@ -230,7 +230,7 @@ Panel besideCycles(const StudyScene &study, const std::string &conditions, int r
 Chart measureRender(const ChartOptions &options) {
     const bool quick = options.effort == Effort::Quick;
     const int reference = quick ? 512 : 16384;
-    const int rounds = quick ? 3 : 15;
+    const int rounds = quick ? 5 : 15;
     const std::string last = std::to_string(RenderSettings{}.spp);
     Chart chart;
     chart.name = "render";

@@ -68,7 +68,7 @@ void addSurface(Chart &chart, const Surface &surface, bool quick) {
             });
         });
     }
-    const std::vector<Measured> seconds = timeInterleaved(runs, quick ? 31 : 101, Clock::Thread);
+    const std::vector<Measured> seconds = timeInterleaved(runs, quick ? 61 : 101, Clock::Thread);
 
     Panel all;
     all.name = surface.name;
@@ -237,7 +237,7 @@ Chart measureSampling(const ChartOptions &options) {
     const SkyLight sky;
     for (std::size_t i = 0; i < 2; ++i) {
         Plates plates(all[i], sky);
-        plates.measure(quick ? 25 : 201);
+        plates.measure(quick ? 51 : 201);
         plates.addTo(chart);
     }
     return chart;

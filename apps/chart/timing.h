@@ -13,11 +13,12 @@
 
 namespace taut::chart {
 
-/// Median and half the distance between the quartiles; the values are not empty.
+/// Median and half the distance between the quartiles, those of few values the values outside them: of three the least and the greatest.
+/// The values are not empty.
 inline Measured medianOf(std::vector<double> values) {
     std::sort(values.begin(), values.end());
-    const auto at = [&](double share) { return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5)]; };
-    return {at(0.5), (at(0.75) - at(0.25)) / 2, static_cast<int>(values.size())};
+    const std::size_t last = values.size() - 1;
+    return {values[(last + 1) / 2], (values[last - last / 4] - values[last / 4]) / 2, static_cast<int>(values.size())};
 }
 
 inline Measured operator*(const Measured &m, double factor) {
