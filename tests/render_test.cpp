@@ -360,3 +360,22 @@ TEST_CASE("Smooth glass in a furnace is invisible", "[render][furnace]") {
     for (std::size_t p = 0; p < image.size(); p += 4) sum += static_cast<double>(image[p]);
     CHECK(sum / (24 * 24) == Approx(1).epsilon(3e-3));
 }
+
+TEST_CASE("Russian roulette keeps the mean: inside a glowing grey sphere light is a geometric series", "[render][furnace]") {
+    constexpr double kAlbedo = 0.5;
+    Material grey;
+    grey.color.value = Vec3(static_cast<float>(kAlbedo));
+    Scene scene = smallScene(makeObject(makeSphere(96, 48, 2)), grey, 16);
+    scene.objects[0].emission.value = Vec3(1);
+    scene.objects[0].emissionTwoSided = true;
+    scene.lights.clear();
+    scene.environment = constantEnvironment(Vec3(0));
+    scene.camera.position = DVec3(0.3, -0.4, 0.2);
+    for (const int events : {3, 5, 8, 20}) { // throughput falls below the roulette's tenth after the fourth
+        scene.render.maxEvents = events;
+        const std::vector<float> image = renderImage(scene, 1, 256);
+        double sum = 0;
+        for (std::size_t p = 0; p < image.size(); p += 4) sum += static_cast<double>(image[p]) / (16 * 16);
+        CHECK(sum == Approx((1 - std::pow(kAlbedo, events + 1)) / (1 - kAlbedo)).epsilon(1e-3));
+    }
+}
