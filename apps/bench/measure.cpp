@@ -214,7 +214,8 @@ json spreadJson(const Spread &spread) {
 } // namespace
 
 json measure(const BenchScene &bench, const MeasureOptions &options) {
-    const Scene scene = bench.make();
+    Scene scene = bench.make();
+    scene.render.spp = options.spp; // what a plan reckons with
     const auto frames = static_cast<double>(scene.render.frames.size());
     RenderScene ready(scene, frames > 1);
     StageTimes building;

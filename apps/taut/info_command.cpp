@@ -55,13 +55,14 @@ nlohmann::json toJson(const Question &q) {
     return {{"name", q.name}, {"unit", q.unit}, {"taken", q.choices[q.taken].name}, {"choices", choices}};
 }
 
-/// The BVH's choice changes no pixel. It is made frame by frame; named is what most frames get.
-Question bvhQuestion(const BvhForecast &forecast, const ScenePlan &plan) {
+/// The BVH's choice changes no pixel. `refits`: the scene's meshes are refitted, but in frames where a build costs less; named is what
+/// most frames get.
+Question bvhQuestion(const BvhForecast &forecast, bool refits) {
     const auto milliseconds = [](double seconds) { return static_cast<float>(1e3 * seconds); };
     Choice refit{"refit", 0, milliseconds(forecast.refitSeconds)};
     Choice rebuild{"rebuild", 0, milliseconds(forecast.rebuildSeconds)};
-    const bool rebuilds = !plan.mayRefit || 2 * forecast.rebuilds > forecast.frames;
-    if (forecast.rebuilds > 0 && plan.mayRefit)
+    const bool rebuilds = !refits || 2 * forecast.rebuilds > forecast.frames;
+    if (forecast.rebuilds > 0 && refits)
         (rebuilds ? rebuild : refit).name += fmt::format(", {} of {} frames rebuilt", forecast.rebuilds, forecast.frames);
     return {"bvh", "ms a frame, slower rays included", {refit, rebuild}, rebuilds ? 1U : 0U};
 }
@@ -81,12 +82,12 @@ nlohmann::json alphaRange(const MeshPlan &plan) {
     return {{"min", plan.leastAlpha}, {"max", plan.greatestAlpha}};
 }
 
-nlohmann::json describe(const RenderObject &object, const ScenePlan &plan, const RenderSettings &render) {
+nlohmann::json describe(const RenderObject &object, bool refits, const RenderSettings &render) {
     const int level = object.plan.subdivisionLevel;
     const GradientField field = measureGradientField(*object.object, level, render.frames, render.fps);
     nlohmann::json planned = toJson(object.plan);
     if (!object.rigid && render.frames.size() > 1)
-        planned["questions"].push_back(toJson(bvhQuestion(forecastBvh(*object.object, level, render), plan)));
+        planned["questions"].push_back(toJson(bvhQuestion(forecastBvh(*object.object, level, render), refits)));
     const Surface &surface = object.surface;
     const Mesh &mesh = object.mesh();
     return {{"name", object.object->name},
@@ -186,7 +187,7 @@ nlohmann::json describe(const InfoArguments &arguments, const Scene &scene, cons
                           {"tolerance", plan.tolerance},
                           {"predicted_error", plan.predictedError},
                           {"error_in_noise", plan.errorInNoise},
-                          {"bvh", plan.mayRefit ? "refit, rebuilt where its rays would pay for it" : "rebuilt every frame"},
+                          {"bvh", ready.refits() ? "refit, rebuilt where its rays would pay for it" : "built anew where something deforms"},
                           {"materials", nlohmann::json::array()},
                           {"objects", nlohmann::json::array()}};
     for (std::size_t i = 0; i < scene.materials.size(); ++i) {
@@ -199,7 +200,7 @@ nlohmann::json describe(const InfoArguments &arguments, const Scene &scene, cons
                                        {"predicted_error", plan.materials[i].error},
                                        {"question", plan.materials[i].question ? toJson(*plan.materials[i].question) : nlohmann::json()}});
     }
-    for (const RenderObject &object : ready.objects()) result["objects"].push_back(describe(object, plan, scene.render));
+    for (const RenderObject &object : ready.objects()) result["objects"].push_back(describe(object, ready.refits(), scene.render));
     return result;
 }
 

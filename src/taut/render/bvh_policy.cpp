@@ -22,6 +22,7 @@ constexpr double kRefitSeconds = 22e-9;  ///< a triangle
 constexpr double kBuildSeconds = 230e-9; ///< a triangle, beyond a refit
 constexpr double kRaySeconds = 120e-9;   ///< a ray, all threads together
 constexpr double kSlowdown = 1.0;        ///< relative slowdown of rays per relative growth
+constexpr double kRefittable = 0.15;     ///< relative slowdown of rays through BVHs that can be refitted, when fresh
 
 std::uint64_t spread(std::uint32_t x) {
     std::uint64_t v = x & 0x1fffffU;
@@ -55,6 +56,17 @@ double boxesOverTriangles(const std::vector<Index> &order, std::span<const Index
 }
 
 } // namespace
+
+bool refitsPay(std::span<const DeformingMesh> meshes, double rays) {
+    double refits = kRefittable * rays * kRaySeconds;
+    double builds = 0;
+    for (const DeformingMesh &mesh : meshes) {
+        const auto triangles = static_cast<double>(mesh.triangles);
+        builds += (kRefitSeconds + kBuildSeconds) * triangles;
+        refits += (kRefitSeconds + (mesh.blurred ? kBuildSeconds : 0)) * triangles;
+    }
+    return refits < builds;
+}
 
 void BvhPolicy::built(std::span<const Index3> triangles, std::span<const Vec3> positions) {
     Vec3 lower(kInfinity);
@@ -119,7 +131,7 @@ BvhForecast forecastBvh(const Object &object, int subdivisionLevel, const Render
         ++forecast.rebuilds;
         policy.built(triangles, positions);
     }
-    forecast.refitSeconds /= std::max(1, forecast.frames);
+    forecast.refitSeconds = forecast.refitSeconds / std::max(1, forecast.frames) + kRefittable * rays * kRaySeconds;
     forecast.rebuildSeconds = BvhPolicy::rebuildSeconds(triangles);
     return forecast;
 }

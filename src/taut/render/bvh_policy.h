@@ -14,6 +14,15 @@
 
 namespace taut {
 
+/// A mesh that deforms, as the choice between kinds of BVH sees it.
+struct DeformingMesh {
+    std::size_t triangles = 0;
+    bool blurred = false; ///< several times in the shutter: Embree refits none of these
+};
+/// Whether BVHs that can be refitted pay for a scene with these meshes and about this many rays a frame: they are updated ten times
+/// quicker than a fresh one is built, and traced more slowly.
+bool refitsPay(std::span<const DeformingMesh> meshes, double rays);
+
 class BvhPolicy {
   public:
     /// The BVH has been built on these positions.
@@ -24,7 +33,8 @@ class BvhPolicy {
         return refitSeconds(triangles, positions, rays) > rebuildSeconds(triangles);
     }
 
-    /// What either costs this frame, as the policy reckons: a refit with what its boxes slow down its rays, a build.
+    /// What either costs this frame, as the policy reckons: a refit with what its boxes slow down its rays, a build. Both of a BVH that
+    /// can be refitted.
     [[nodiscard]] double refitSeconds(std::span<const Index3> triangles, std::span<const Vec3> positions, double rays) const;
     [[nodiscard]] static double rebuildSeconds(std::span<const Index3> triangles);
 
@@ -41,8 +51,9 @@ class BvhPolicy {
 
 /// What the policy will do with a mesh, by its shape at some of its frames.
 struct BvhForecast {
-    double refitSeconds = 0, rebuildSeconds = 0; ///< a frame, on average over those after the first
-    int frames = 0, rebuilds = 0;                ///< looked at; of them with a new build
+    double refitSeconds = 0;      ///< a frame, on average over those after the first, with what such BVHs slow down rays
+    double rebuildSeconds = 0;    ///< a fresh BVH at every frame
+    int frames = 0, rebuilds = 0; ///< looked at; of them with a new build
 };
 BvhForecast forecastBvh(const Object &object, int subdivisionLevel, const RenderSettings &render);
 

@@ -56,7 +56,7 @@ void intersectPacket(RTCScene scene, std::span<const Ray> rays, std::size_t begi
 struct EmbreeScene::State {
     RTCDevice device = nullptr;
     RTCScene scene = nullptr;
-    bool dynamic = false;
+    bool refits = false;
     std::atomic<std::ptrdiff_t> bytes{0};
     std::vector<RTCScene> instanced; ///< the BVHs behind instances
     std::vector<unsigned> steps;     ///< [geometries] times in the shutter
@@ -64,14 +64,14 @@ struct EmbreeScene::State {
     Index attach(RTCGeometry geometry, std::size_t times);
 };
 
-EmbreeScene::EmbreeScene(bool dynamic) : state_(std::make_unique<State>()) {
+EmbreeScene::EmbreeScene(bool refits) : state_(std::make_unique<State>()) {
     state_->device = rtcNewDevice(nullptr);
     if (state_->device == nullptr) throw RunError("Embree could not start on this machine");
     rtcSetDeviceErrorFunction(state_->device, onError, nullptr);
     rtcSetDeviceMemoryMonitorFunction(state_->device, countBytes, &state_->bytes);
     state_->scene = rtcNewScene(state_->device);
-    state_->dynamic = dynamic;
-    if (!dynamic) return;
+    state_->refits = refits;
+    if (!refits) return;
     // Only this combination makes Embree 3.13 refit instead of rebuilding.
     rtcSetSceneFlags(state_->scene, RTC_SCENE_FLAG_DYNAMIC);
     rtcSetSceneBuildQuality(state_->scene, RTC_BUILD_QUALITY_LOW);
@@ -109,7 +109,7 @@ Index EmbreeScene::State::attach(RTCGeometry geometry, std::size_t times) {
 }
 
 Index EmbreeScene::addTriangles(const std::vector<std::span<const Vec3>> &positions, std::span<const Index3> triangles) {
-    const bool refits = state_->dynamic && positions.size() == 1;
+    const bool refits = state_->refits && positions.size() == 1;
     const RTCBuildQuality quality = refits ? RTC_BUILD_QUALITY_REFIT : RTC_BUILD_QUALITY_MEDIUM;
     return state_->attach(triangleGeometry(state_->device, positions, triangles, quality), positions.size());
 }

@@ -12,8 +12,9 @@ namespace taut {
 
 class EmbreeScene {
   public:
-    /// `dynamic`: geometry will change between commits, so that refits pay; else one BVH over everything.
-    explicit EmbreeScene(bool dynamic);
+    /// `refits`: meshes will be refitted between commits, each with a BVH of its own that rays take longer through; else one BVH over
+    /// everything, built anew by a commit after any change.
+    explicit EmbreeScene(bool refits);
     ~EmbreeScene();
     EmbreeScene(const EmbreeScene &) = delete;
     EmbreeScene &operator=(const EmbreeScene &) = delete;
@@ -32,7 +33,7 @@ class EmbreeScene {
     void place(Index geometry, std::span<const Affine> renderFromLocal);
 
     /// Says that the positions of a mesh that is no instance have changed. Its BVH is refitted, or built anew where that is asked for,
-    /// where the scene is not dynamic and where there are several times (Embree 3 refits none of these).
+    /// where the scene does not refit and where there are several times (Embree 3 refits none of these).
     void update(Index geometry, bool rebuild);
 
     /// Builds or refits what has changed.

@@ -68,14 +68,18 @@ StageTimes &StageTimes::operator+=(const StageTimes &other) {
 }
 
 RenderScene::RenderScene(const Scene &scene, ScenePlan plan, bool animated)
-    : scene_(&scene), plan_(std::move(plan)), embree_(animated), objects_(scene.objects.size()) {
+    : scene_(&scene), plan_(std::move(plan)), objects_(scene.objects.size()) {
+    std::vector<DeformingMesh> deforming;
     for (std::size_t i = 0; i < objects_.size(); ++i) {
         const Object &object = scene.objects[i];
         const bool blurred = scene.render.shutter > 0 && moves(object);
         const std::size_t times = blurred ? static_cast<std::size_t>(scene.render.motionSteps) : 1;
         prepareRenderObject(object, scene.render, plan_.meshes[i], times, animated, objects_[i]);
         if (hasStoredGloss(objects_[i].mesh(), objects_[i].surface)) objects_[i].storedPoisson = poissonOfVertices(scene, objects_[i]);
+        if (!objects_[i].rigid) deforming.push_back({objects_[i].surface.triangles.size(), times > 1});
     }
+    refits_ = animated && plan_.mayRefit && refitsPay(deforming, raysPerFrame(scene.render));
+    embree_ = std::make_unique<EmbreeScene>(refits_);
 }
 
 void RenderScene::moveCamera(double frame, const DMat4 &renderFromWorld) {
@@ -109,23 +113,23 @@ void RenderScene::setFrame(double frame, StageTimes &times) {
         if (!committed_) {
             std::vector<std::span<const Vec3>> steps;
             for (const SurfaceStep &step : object.steps) steps.emplace_back(step.positions);
-            object.geometry = object.instanced ? embree_.addInstance(positions, object.surface.triangles, object.placements)
-                                               : embree_.addTriangles(steps, object.surface.triangles);
+            object.geometry = object.instanced ? embree_->addInstance(positions, object.surface.triangles, object.placements)
+                                               : embree_->addTriangles(steps, object.surface.triangles);
             owners_.resize(std::max<std::size_t>(owners_.size(), object.geometry + 1), kNone);
             owners_[object.geometry] = i;
-            if (!object.rigid) object.bvh.built(object.surface.triangles, positions);
+            if (!object.rigid && refits_) object.bvh.built(object.surface.triangles, positions);
         } else if (moved && object.instanced) {
-            embree_.place(object.geometry, object.placements);
+            embree_->place(object.geometry, object.placements);
         } else if (moved) {
-            const bool rebuild = !plan_.mayRefit || object.bvh.shouldRebuild(object.surface.triangles, positions, raysPerFrame(render));
-            embree_.update(object.geometry, rebuild);
+            const bool rebuild = refits_ && object.bvh.shouldRebuild(object.surface.triangles, positions, raysPerFrame(render));
+            embree_->update(object.geometry, rebuild);
             if (rebuild) object.bvh.built(object.surface.triangles, positions);
         }
         times.bvh += watch.lap();
     }
     Stopwatch watch;
     placeLights(renderFromWorld);
-    embree_.commit();
+    embree_->commit();
     committed_ = true;
     times.bvh += watch.lap();
 }

@@ -33,7 +33,9 @@ class RenderScene {
     void setFrame(double frame, StageTimes &times);
 
     [[nodiscard]] const Scene &scene() const { return *scene_; }
-    [[nodiscard]] const EmbreeScene &embree() const { return embree_; }
+    /// Whether deforming meshes have BVHs that can be refitted; else everything is built anew when something deforms.
+    [[nodiscard]] bool refits() const { return refits_; }
+    [[nodiscard]] const EmbreeScene &embree() const { return *embree_; }
     [[nodiscard]] const std::vector<RenderObject> &objects() const { return objects_; }
     [[nodiscard]] const LightTable &lights() const { return lights_; }
     [[nodiscard]] const CameraState &camera() const { return camera_; }
@@ -55,7 +57,8 @@ class RenderScene {
 
     const Scene *scene_;
     ScenePlan plan_;
-    EmbreeScene embree_;
+    std::unique_ptr<EmbreeScene> embree_;
+    bool refits_ = false;
     std::vector<RenderObject> objects_;
     std::vector<Index> owners_;       // [geometries] -> object
     std::vector<Index> lightEntries_; // [objects] -> light table
