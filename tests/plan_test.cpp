@@ -105,6 +105,35 @@ TEST_CASE("A rigid mesh carries no tensors and is left alone where it stands", "
     }
 }
 
+TEST_CASE("BVHs that can be refitted are kept for few rays, and show the picture of fresh ones", "[plan][bvh]") {
+    const DeformingMesh large[] = {{1200000, false}};
+    const DeformingMesh blurred[] = {{1200000, true}};
+    CHECK(refitsPay(large, 1e6));
+    CHECK_FALSE(refitsPay(large, 1e9));
+    CHECK_FALSE(refitsPay(blurred, 1e6)); // nothing to be won: these are built anew either way
+    CHECK_FALSE(refitsPay({}, 1e6));
+
+    Object torus = makeObject(makeTorus(300, 150, 0.7F, 0.25F));
+    DeformerKeys shear;
+    shear.type = DeformerType::Shear;
+    shear.axis = 0;
+    shear.axis2 = 2;
+    shear.amount.keys = {{1, 0.0}, {3, 0.8}};
+    torus.deformers = {shear};
+    Scene scene = smallScene(torus, ggxMaterial(0.2F, 0.4F));
+    const auto pictureAt3 = [&](int plannedSamples, bool refits) {
+        scene.render.spp = plannedSamples;
+        RenderScene ready(scene, true);
+        CHECK(ready.refits() == refits);
+        StageTimes times;
+        for (const int frame : {1, 2, 3}) ready.setFrame(frame, times);
+        FrameOptions options;
+        options.spp = 16;
+        return renderFrame(ready, options).film.resolve();
+    };
+    CHECK(greatestDifference(pictureAt3(1, true), pictureAt3(100000, false)) < 1e-5F);
+}
+
 TEST_CASE("The BVH policy refits a mild deformation and rebuilds a wild one, sooner for more rays", "[plan][bvh]") {
     Mesh mesh = makeTorus(200, 100, 0.8F, 0.3F);
     const Surface surface = buildSurface(mesh, {});
