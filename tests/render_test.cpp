@@ -371,7 +371,7 @@ TEST_CASE("Russian roulette keeps the mean: inside a glowing grey sphere light i
     scene.lights.clear();
     scene.environment = constantEnvironment(Vec3(0));
     scene.camera.position = DVec3(0.3, -0.4, 0.2);
-    for (const int events : {3, 5, 8, 20}) { // throughput falls below the roulette's tenth after the fourth
+    for (const int events : {3, 5, 8, 20}) { // throughput falls below the roulette's quarter after the second
         scene.render.maxEvents = events;
         const std::vector<float> image = renderImage(scene, 1, 256);
         double sum = 0;
