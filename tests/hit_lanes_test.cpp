@@ -26,14 +26,7 @@ std::vector<float> imageOf(const Scene &scene, bool oneByOne, bool animated, int
 
 /// A sheared torus over a plate that reflects it, under a quad and a sky.
 Scene scene(const Material &material) {
-    Object torus = makeObject(makeTorus(40, 20, 0.7F, 0.25F));
-    DeformerKeys shear;
-    shear.type = DeformerType::Shear;
-    shear.axis = 0;
-    shear.axis2 = 2;
-    shear.amount.keys = {{1, 0.0}, {3, 0.8}};
-    torus.deformers = {shear};
-    Scene scene = smallScene(torus, material);
+    Scene scene = smallScene(shearedTorus(40, 20), material);
     scene.materials.push_back(ggxMaterial(0.1F, 0.3F));
     scene.objects.push_back(makeObject(makeGrid(3, 3, 4), 1));
     scene.objects[1].placement.translation = Keyed<DVec3>(DVec3(0, 0, -0.4));

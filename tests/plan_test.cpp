@@ -113,14 +113,7 @@ TEST_CASE("BVHs that can be refitted are kept for few rays, and show the picture
     CHECK_FALSE(refitsPay(blurred, 1e6)); // nothing to be won: these are built anew either way
     CHECK_FALSE(refitsPay({}, 1e6));
 
-    Object torus = makeObject(makeTorus(300, 150, 0.7F, 0.25F));
-    DeformerKeys shear;
-    shear.type = DeformerType::Shear;
-    shear.axis = 0;
-    shear.axis2 = 2;
-    shear.amount.keys = {{1, 0.0}, {3, 0.8}};
-    torus.deformers = {shear};
-    Scene scene = smallScene(torus, ggxMaterial(0.2F, 0.4F));
+    Scene scene = smallScene(shearedTorus(300, 150), ggxMaterial(0.2F, 0.4F));
     const auto pictureAt3 = [&](int plannedSamples, bool refits) {
         scene.render.spp = plannedSamples;
         RenderScene ready(scene, true);

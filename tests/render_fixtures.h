@@ -48,6 +48,18 @@ inline Scene smallScene(Object object, const Material &material, int size = 48) 
     return scene;
 }
 
+/// A torus that is sheared from rest at frame 1 to 0.8 along x over z at frame 3.
+inline Object shearedTorus(int around, int across) {
+    Object torus = makeObject(makeTorus(around, across, 0.7F, 0.25F));
+    DeformerKeys shear;
+    shear.type = DeformerType::Shear;
+    shear.axis = 0;
+    shear.axis2 = 2;
+    shear.amount.keys = {{1, 0.0}, {3, 0.8}};
+    torus.deformers = {shear};
+    return torus;
+}
+
 /// An object's surface at a frame, in world space.
 inline SurfaceFrame surfaceOf(const Object &object, double frame, double fps = 24) {
     ObjectSurface surface;
