@@ -4,6 +4,9 @@
 #include "taut/base/vec.h"
 
 #include <algorithm>
+#include <bit>
+#include <cstdint>
+#include <limits>
 #include <numbers>
 #include <type_traits>
 
@@ -60,6 +63,43 @@ inline Vec2 squareToDisk(const Vec2 &u) {
 }
 inline float squareToDiskPdf() {
     return kInvPi;
+}
+
+/// Half a chord of the unit disk.
+template <class T> struct HalfChord {
+    T x;    ///< where it crosses the x axis
+    T half; ///< sqrt(1 - x^2)
+};
+
+/// The chord x = const left of which lies the share u of the disk, the quantile of Wigner's semicircle: with x = cos(phi) and u below a
+/// half, phi - sin(phi) cos(phi) = 2 pi u. sin(phi) and cos(phi) are power series in the cube root of u and its square (Chebyshev
+/// interpolation, to 6e-7). No branches and calls, as above.
+inline HalfChord<float> diskQuantile(float u) {
+    const float w = std::max(1 - std::fabs(2 * u - 1), 1e-30F); // 0 at both ends, 1 in the middle
+    // Cube root: a third of the exponent, then Halley's steps, which triple the digits of 5 %.
+    float s = std::bit_cast<float>(static_cast<std::int32_t>(static_cast<float>(std::bit_cast<std::int32_t>(w)) * (1.0F / 3)) + 0x2a5137a0);
+    for (int i = 0; i < 2; ++i) {
+        const float cube = s * s * s;
+        s *= (cube + 2 * w) / (2 * cube + w);
+    }
+    const float z = s * s;
+    float sine = -0.05276620829F + z * (0.04408078254F + z * -0.01968313174F);
+    sine = 1.330670445F + z * (-0.2356690539F + z * (-0.05563663955F + z * (-0.02813794679F + z * (0.01714237198F + z * sine))));
+    float fall = 0.01640334047F + z * (-0.01345819511F + z * 0.006140884528F);
+    fall = 0.885341254F + z * (0.07839799155F + z * (0.02151086076F + z * (0.01025628067F + z * (-0.004592602176F + z * fall))));
+    const float x = std::max(1 - z * fall, 0.0F);
+    return {u < 0.5F ? -x : x, s * sine};
+}
+/// The same in wider numbers, by bisection.
+template <class T>
+requires(std::is_floating_point_v<T> && !std::is_same_v<T, float>) HalfChord<T> diskQuantile(T u) {
+    T below = 0;
+    T above = std::numbers::pi_v<T>;
+    for (int i = 0; i < std::numeric_limits<T>::digits; ++i) {
+        const T phi = (below + above) / 2;
+        (phi - std::sin(phi) * std::cos(phi) < std::numbers::pi_v<T> * u ? below : above) = phi;
+    }
+    return {-std::cos(below), std::sin(below)};
 }
 
 /// Cosine-weighted upper hemisphere.

@@ -92,7 +92,7 @@ class ScatteringPoint {
 
     /// Dielectric: a visible normal, then reflection or refraction by Fresnel's choice.
     [[nodiscard]] std::optional<BsdfSample> sampleInterface(const Vec2 &u, float lobe) const {
-        const Vec3 wm = ggx::sampleVisibleNormal(bsdf_.micro, wo_, u);
+        const Vec3 wm = ggx::spreadVisibleNormal(bsdf_.micro, wo_, u);
         const float cosine = glm::dot(wo_, wm);
         if (!(cosine > 0)) return std::nullopt;
         if (lobe >= fresnel::dielectric(cosine, bsdf_.eta)) {

@@ -4,10 +4,11 @@
 ///
 ///     DiskNormals         all normals, D cos, by the concentric disk (the talk; Walter et al. 2007)
 ///     HalfDiskNormals     visible normals by a disk projected along the view (Heitz 2018, JCGT 7(4))
+///     ChordNormals        the same by chords of that disk, the strata of slopes of Heitz & d'Eon 2014 (ggx.h)
 ///     CapNormals          visible normals by a spherical cap (Dupuy & Benyoub 2023)
 ///     BoundedCapNormals   visible normals without most of those that reflect below the horizon (Eto & Tokuyoshi 2023), skewed M too
 ///
-/// All were published for (alphaX, alphaY); they work in standard space, which M^-1 and M^-T lead to and from for any M. The three
+/// All were published for (alphaX, alphaY); they work in standard space, which M^-1 and M^-T lead to and from for any M. Those
 /// of visible normals take a wo below the horizon as Tokuyoshi 2021 does: the visible area is wo.z + L(wo), whatever wo.z's sign.
 ///
 /// Each has the shape
@@ -63,6 +64,19 @@ class HalfDiskNormals {
     Vec3 wo_, o_; ///< wo and woStd
     Vec3 t1_, t2_;
     float share_; ///< of the disk's half axis: (1 + woStd.z) / 2
+};
+
+class ChordNormals {
+  public:
+    static constexpr bool kRefracts = true;
+    ChordNormals(const MicroTransform &m, const Vec3 &wo) : m_(m), wo_(wo) {}
+
+    [[nodiscard]] Vec3 sample(const Vec2 &u) const { return glm::normalize(m_.inverseTransposed(ggx::sampleChord(m_, wo_, u))); }
+    [[nodiscard]] float pdf(const Vec3 &h) const { return ggx::visibleNormalPdf(m_, wo_, h); }
+
+  private:
+    MicroTransform m_;
+    Vec3 wo_;
 };
 
 class CapNormals {
@@ -168,6 +182,7 @@ template <class T> struct Sampler { using Type = T; };
 template <class F> void forEachReflectionSampler(const F &f) {
     f("all normals, concentric disk", Sampler<Reflected<DiskNormals>>());
     f("visible normals, Heitz 2018", Sampler<Reflected<HalfDiskNormals>>());
+    f("visible normals, chords", Sampler<Reflected<ChordNormals>>());
     f("spherical caps", Sampler<Reflected<CapNormals>>());
     f("bounded caps", Sampler<Reflected<BoundedCapNormals>>());
     f("reflection sampler", Sampler<ReflectionSampler>());
@@ -176,6 +191,7 @@ template <class F> void forEachReflectionSampler(const F &f) {
 template <class F> void forEachRefractionSampler(const F &f) {
     f("all normals, concentric disk", Sampler<Refracted<DiskNormals>>());
     f("visible normals, Heitz 2018", Sampler<Refracted<HalfDiskNormals>>());
+    f("visible normals, chords", Sampler<Refracted<ChordNormals>>());
     f("spherical caps", Sampler<Refracted<CapNormals>>());
 }
 

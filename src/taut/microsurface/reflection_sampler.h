@@ -43,7 +43,7 @@ class ReflectionSampler {
 
     /// wi with density pdf(wi), or nothing where the sampled normal reflects below the horizon. u and coin are uniform in [0, 1).
     [[nodiscard]] std::optional<Vec3> sample(const Vec2 &u, float coin) const {
-        const Vec3 wm = cone_ ? coneNormal(u, coin) : ggx::sampleVisibleNormal(m_, wo_, u, capBound_);
+        const Vec3 wm = cone_ ? coneNormal(u, coin) : ggx::spreadVisibleNormal(m_, wo_, u, capBound_);
         const Vec3 wi = (2 * glm::dot(wo_, wm) / glm::dot(wm, wm)) * wm - wo_;
         if (!(wi.z > 0)) return std::nullopt;
         return wi;
@@ -162,7 +162,7 @@ class ReflectionSampler {
     }
 
     void prepareCap() {
-        capBound_ = ggx::capBound(m_, wo_);
+        capBound_ = ggx::reflectionBound(m_, wo_);
         const float length = ggx::stretchedLength(m_, wo_);
         pdfScale_ = 0.5F / (capBound_ < 1 ? capBound_ * wo_.z + length : ggx::visibleArea(m_, wo_, length));
     }
