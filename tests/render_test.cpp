@@ -346,6 +346,39 @@ TEST_CASE("Many lights together are the sum of each alone", "[render][mis]") {
     CHECK(mean(all) == Approx(apart).epsilon(4e-3));
 }
 
+TEST_CASE("A glowing plate close to the ground lights it as its form factor says, however far the camera is", "[render][mis]") {
+    // Rays that graze the plate end on it: one that starts off the ground and runs beside the one that was sampled enters it early.
+    constexpr double kHeight = 0.02;
+    constexpr double kAside = 0.6; // of the square [-0.5, 0.5]^2
+    double truth = 0;
+    constexpr int kN = 2000;
+    for (int i = 0; i < kN; ++i)
+        for (int j = 0; j < kN; ++j) {
+            const double x = (i + 0.5) / kN - 0.5 - kAside;
+            const double y = (j + 0.5) / kN - 0.5;
+            truth += sqr(kHeight / (x * x + y * y + kHeight * kHeight)) / (kN * kN * 3.141592653589793);
+        }
+    Scene scene = smallScene(makeObject(makeGrid(1, 1, 4)), Material{}, 8);
+    scene.materials[0].color.value = Vec3(1);
+    scene.environment.reset();
+    scene.lights.clear();
+    scene.render.maxEvents = 1;
+    Object plate = makeObject(makeGrid(8, 8, 1));
+    plate.placement.translation = DVec3(-kAside, 0, kHeight);
+    plate.placement.rotation = DVec3(3.141592653589793, 0, 0);
+    plate.emission.value = Vec3(100);
+    scene.objects.push_back(plate);
+    scene.camera.lookAt = DVec3(0);
+    for (const double distance : {0.5, 8.0}) {
+        scene.camera.position = DVec3(0, -0.001 * distance, distance);
+        scene.camera.fovY = 0.002 / distance;
+        const std::vector<float> image = renderImage(scene, 1, 1024);
+        double mean = 0;
+        for (std::size_t p = 0; p < image.size(); p += 4) mean += static_cast<double>(image[p]) / 64;
+        CHECK(mean == Approx(100 * truth).epsilon(0.01));
+    }
+}
+
 TEST_CASE("Smooth glass in a furnace is invisible", "[render][furnace]") {
     Material glass;
     glass.type = MaterialType::Dielectric;

@@ -39,6 +39,18 @@ struct ShadowTest {
     Vec3 contribution;
 };
 
+/// From `origin`, a little off `position`, to just before the point that lies at `distance` from the position: to that point, not
+/// beside it, for a ray that grazes the plane of an emitter would enter it before its end.
+Ray shadowRay(const Vec3 &origin, const Vec3 &position, const Vec3 &direction, float distance, float time) {
+    Ray ray;
+    ray.origin = origin;
+    ray.time = time;
+    const bool somewhere = distance < kInfinity;
+    ray.direction = somewhere ? position + direction * distance - origin : direction;
+    ray.farthest = somewhere ? 1 - 1e-4F : kInfinity;
+    return ray;
+}
+
 double secondsSince(std::chrono::steady_clock::time_point &start) {
     const auto now = std::chrono::steady_clock::now();
     const double seconds = std::chrono::duration<double>(now - start).count();
@@ -234,12 +246,7 @@ void PathTracer::State::connectLight(int event, Index index, const SurfacePoint 
     };
     const Vec3 contribution = weighed(single) + weighed(multiple);
     if (!(maxComponent(contribution) > 0)) return;
-    Ray ray;
-    ray.origin = offsetOrigin(point, side > 0);
-    ray.direction = light.direction;
-    ray.farthest = light.distance * (1 - 1e-4F);
-    ray.time = path.time;
-    shadowRays.push_back(ray);
+    shadowRays.push_back(shadowRay(offsetOrigin(point, side > 0), point.position, light.direction, light.distance, path.time));
     shadowTests.push_back({index, contribution});
 }
 
@@ -386,12 +393,7 @@ void PathTracer::State::shadeAtOnce(int event, const PlainMaterial &material, st
     for (std::size_t k = 0; k < chunk.size(); ++k) {
         Path &path = paths[l.path[k]];
         if (l.connects[k] > 0) {
-            Ray ray;
-            ray.origin = l.shadowOrigin.at(k);
-            ray.direction = l.lightDirection.at(k);
-            ray.farthest = l.lightDistance[k] * (1 - 1e-4F);
-            ray.time = path.time;
-            shadowRays.push_back(ray);
+            shadowRays.push_back(shadowRay(l.shadowOrigin.at(k), l.position.at(k), l.lightDirection.at(k), l.lightDistance[k], path.time));
             shadowTests.push_back({l.path[k], l.contribution.at(k)});
         }
         if (!(l.goesOn[k] > 0)) continue;
