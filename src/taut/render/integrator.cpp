@@ -200,7 +200,7 @@ void PathTracer::State::lookUpEscaped() {
         lookup(*lights.environment, sky);
         for (std::size_t k = 0; k < count; ++k) {
             const Index i = escaped[begin + k];
-            const float choice = choiceProbability(lights, lights.environmentEntry, rays[i].origin);
+            const float choice = choiceProbability(lights, {lights.environmentEntry, 0}, rays[i].origin);
             seeEnvironment(paths[active[i]], sky.radiance.at(k), sky.pdf[k] * choice);
         }
     }
@@ -211,19 +211,20 @@ bool PathTracer::State::meetLights(Path &path, const Ray &ray, float farthest) c
     const LightTable &lights = scene.lights();
     const bool cameraRay = path.scatterPdf == 0;
     LightHit nearest;
-    nearest.t = farthest;
-    for (Index i = 0; i < lights.entries.size(); ++i) {
+    const auto meet = [&](Index i, float end) {
         const LightEntry &entry = lights.entries[i];
-        if (cameraRay && !entry.cameraVisible) continue;
-        const LightHit hit = intersectLight(lights, i, ray.origin, ray.direction, nearest.t);
-        if (hit.entry == kNone) continue;
+        if (cameraRay && !entry.cameraVisible) return end;
+        const LightHit hit = intersectLight(lights, i, ray.origin, ray.direction, end);
+        if (hit.entry == kNone) return end;
         if (cameraRay) {
             nearest = hit;
-            continue;
+            return hit.t;
         }
         const float weight = powerHeuristic(path.scatterPdf, lightHitPdf(lights, i, ray.origin, hit.t, hit.absCosine));
         path.radiance += path.throughput * entry.radiance * weight;
-    }
+        return end;
+    };
+    visitLightsMet(lights, ray.origin, ray.direction, farthest, meet);
     if (nearest.entry == kNone) return false;
     path.radiance += path.throughput * lights.entries[nearest.entry].radiance;
     path.alpha = 1;
@@ -264,8 +265,8 @@ void PathTracer::State::shade(int event, Index index, const Ray &ray, const Hit 
         float weight = 1;
         if (path.scatterPdf > 0 && entry != kNone) {
             const float cosine = std::fabs(glm::dot(point.geometricNormal, ray.direction));
-            const float growth = emitterGrowth(scene.lights().entries[entry], hit.primitive, path.time);
-            weight = powerHeuristic(path.scatterPdf, lightHitPdf(scene.lights(), entry, ray.origin, hit.t, cosine, growth));
+            const float pdf = emitterHitPdf(scene.lights(), {entry, hit.primitive}, ray.origin, path.time, hit.t, cosine);
+            weight = powerHeuristic(path.scatterPdf, pdf);
         }
         path.radiance += path.throughput * point.emission * weight;
     }

@@ -2,6 +2,7 @@
 
 #include "taut/base/frame.h"
 #include "taut/base/warp.h"
+#include "taut/render/light_bounds.h"
 
 #include <algorithm>
 
@@ -14,7 +15,8 @@ constexpr float kEvenShare = 0.1F;
 
 /// Irradiance that an unoccluded light could cause at a point, up to a common factor and the receiver's cosine. Zero only where
 /// the light can send nothing.
-float importance(const LightEntry &entry, const LightTable &table, const Vec3 &point) {
+float importance(const LightTable &table, const LightPart &part, const Vec3 &point) {
+    const LightEntry &entry = table.entries[part.entry];
     const float strength = luminance(entry.radiance);
     const auto overDistance2 = [&](const Vec3 &from) {
         const Vec3 d = from - point;
@@ -24,30 +26,64 @@ float importance(const LightEntry &entry, const LightTable &table, const Vec3 &p
     case LightKind::Environment: return luminance(table.environment->mean) * kPi;
     case LightKind::Quad:
         if (!entry.twoSided && glm::dot(point - entry.origin, entry.direction) <= 0) return 0;
-        [[fallthrough]];
-    case LightKind::Mesh: return strength * std::min(2 * kPi, entry.area * overDistance2(entry.centre));
+        return strength * std::min(2 * kPi, entry.area * overDistance2(entry.centre));
     case LightKind::Sphere: return strength * kPi * std::min(2.0F, sqr(entry.radius) * overDistance2(entry.origin));
     case LightKind::Directional: return strength;
     case LightKind::Point:
     case LightKind::Spot: return strength * overDistance2(entry.origin);
+    case LightKind::Mesh: return importance(table.fewParts[entry.firstPart + part.triangle], point);
     }
     return 0;
 }
 
-/// Probability of an entry of importance `own` among entries of importance `total`.
+/// Probability of a choice of importance `own` among `count` of importance `total`.
 float probabilityOf(float own, float total, std::size_t count) {
     const float even = 1 / static_cast<float>(count);
     return total > 0 && std::isfinite(total) ? kEvenShare * even + (1 - kEvenShare) * own / total : even;
 }
 
-float totalImportance(const LightTable &table, const Vec3 &point) {
+/// What is weighed one by one at a point: all there is where that is little, else the tree as one beside what reaches everywhere.
+struct Choices {
     float total = 0;
-    for (const LightEntry &entry : table.entries) total += importance(entry, table, point);
-    return total;
+    float tree = 0; ///< importance of the tree's lights together
+    std::size_t count = 0;
+};
+
+/// Calls `weigh(part, importance)` for all choices, until it returns true.
+template <class Weigh> void eachOfFew(const LightTable &table, const Vec3 &point, const Weigh &weigh) {
+    for (Index entry = 0; entry < table.entries.size(); ++entry) {
+        const bool mesh = table.entries[entry].kind == LightKind::Mesh;
+        const Index triangles = mesh ? static_cast<Index>(table.entries[entry].triangles.size()) : 1;
+        for (Index triangle = 0; triangle < triangles; ++triangle)
+            if (weigh(LightPart{entry, triangle}, importance(table, {entry, triangle}, point))) return;
+    }
+}
+
+Choices choicesAt(const LightTable &table, const Vec3 &point) {
+    Choices choices;
+    if (table.few) {
+        eachOfFew(table, point, [&](const LightPart &, float own) {
+            choices.total += own;
+            ++choices.count;
+            return false;
+        });
+        return choices;
+    }
+    for (const Index entry : table.everywhere) choices.total += importance(table, {entry, 0}, point);
+    choices.tree = importance(table.tree, point);
+    choices.total += choices.tree;
+    choices.count = table.everywhere.size() + (choices.tree > 0 ? 1 : 0);
+    return choices;
+}
+
+/// The only choice there is.
+bool isAlone(const LightTable &table) {
+    return table.choices == 1;
 }
 
 /// Converts a point sampled uniformly by area into a solid-angle sample.
-LightSample fromArea(const LightEntry &entry, const Vec3 &point, const Vec3 &onLight, const Vec3 &normal) {
+[[gnu::always_inline]] inline LightSample fromArea(const LightEntry &entry, float area, const Vec3 &point, const Vec3 &onLight,
+                                                   const Vec3 &normal) {
     LightSample s;
     const Vec3 d = onLight - point;
     const float distance2 = glm::dot(d, d);
@@ -57,7 +93,7 @@ LightSample fromArea(const LightEntry &entry, const Vec3 &point, const Vec3 &onL
     const float cosine = -glm::dot(normal, s.direction);
     if (!(entry.twoSided ? cosine != 0 : cosine > 0)) return s;
     s.radiance = entry.radiance;
-    s.pdf = distance2 / (std::fabs(cosine) * entry.area);
+    s.pdf = distance2 / (std::fabs(cosine) * area);
     return s;
 }
 
@@ -88,23 +124,27 @@ LightSample sampleSphere(const LightEntry &entry, const Vec3 &point, const Vec2 
     return s;
 }
 
-LightSample sampleMesh(const LightEntry &entry, const Vec3 &point, float time, const Vec2 &u) {
-    const auto found = std::upper_bound(entry.cumulativeArea.begin(), entry.cumulativeArea.end(), u.x * entry.area);
-    const std::size_t i = std::min<std::size_t>(static_cast<std::size_t>(found - entry.cumulativeArea.begin()), entry.triangles.size() - 1);
-    const float below = i == 0 ? 0.0F : entry.cumulativeArea[i - 1];
-    const float share = entry.cumulativeArea[i] - below;
-    const float reused = share > 0 ? glm::clamp((u.x * entry.area - below) / share, 0.0F, kOneMinusEpsilon) : 0.5F;
-    const Index3 &t = entry.triangles[i];
-    const Vec3 a = emitterPosition(entry, t.x, time);
-    const Vec3 e1 = emitterPosition(entry, t.y, time) - a;
-    const Vec3 e2 = emitterPosition(entry, t.z, time) - a;
-    const Vec2 b = squareToTriangle({reused, u.y});
-    const Vec3 cross = glm::cross(e1, e2) * (entry.mirrored ? -1.0F : 1.0F);
-    const float length = glm::length(cross);
-    if (!(length > 0)) return {};
-    LightSample s = fromArea(entry, point, a + e1 * b.x + e2 * b.y, cross / length);
-    if (entry.moves()) s.pdf /= emitterGrowth(entry, static_cast<Index>(i), time);
-    return s;
+/// A mesh emitter's triangle at a time in the shutter.
+struct EmittingTriangle {
+    Vec3 corner, e1, e2;
+    Vec3 cross; ///< twice the area long, on the side that shines
+};
+
+EmittingTriangle emittingTriangle(const LightEntry &entry, Index triangle, float time) {
+    const Index3 &t = entry.triangles[triangle];
+    EmittingTriangle e;
+    e.corner = emitterPosition(entry, t.x, time);
+    e.e1 = emitterPosition(entry, t.y, time) - e.corner;
+    e.e2 = emitterPosition(entry, t.z, time) - e.corner;
+    e.cross = glm::cross(e.e1, e.e2) * (entry.mirrored ? -1.0F : 1.0F);
+    return e;
+}
+
+[[gnu::noinline]] LightSample sampleTriangle(const LightEntry &entry, Index triangle, const Vec3 &point, float time, const Vec2 &u) {
+    const EmittingTriangle e = emittingTriangle(entry, triangle, time);
+    const Vec2 b = squareToTriangle(u);
+    const float length = glm::length(e.cross);
+    return length > 0 ? fromArea(entry, 0.5F * length, point, e.corner + e.e1 * b.x + e.e2 * b.y, e.cross / length) : LightSample{};
 }
 
 LightSample sampleSpotOrPoint(const LightEntry &entry, const Vec3 &point) {
@@ -127,7 +167,8 @@ LightSample sampleSpotOrPoint(const LightEntry &entry, const Vec3 &point) {
 }
 
 /// A sample of one light; the density does not yet know of the choice between lights.
-LightSample sampleEntry(const LightTable &table, const LightEntry &entry, const Vec3 &point, float time, const Vec2 &u) {
+LightSample samplePart(const LightTable &table, const LightPart &part, const Vec3 &point, float time, const Vec2 &u) {
+    const LightEntry &entry = table.entries[part.entry];
     switch (entry.kind) {
     case LightKind::Environment: {
         const EnvironmentSample e = sample(*table.environment, u);
@@ -135,9 +176,9 @@ LightSample sampleEntry(const LightTable &table, const LightEntry &entry, const 
         // of camera and scene leaves no trace.
         return {table.environment->constant ? e.direction : e.direction * table.worldFromRender, kInfinity, e.radiance, e.pdf, false};
     }
-    case LightKind::Quad: return fromArea(entry, point, entry.origin + entry.u * u.x + entry.v * u.y, entry.direction);
+    case LightKind::Quad: return fromArea(entry, entry.area, point, entry.origin + entry.u * u.x + entry.v * u.y, entry.direction);
     case LightKind::Sphere: return sampleSphere(entry, point, u);
-    case LightKind::Mesh: return sampleMesh(entry, point, time, u);
+    case LightKind::Mesh: return sampleTriangle(entry, part.triangle, point, time, u);
     case LightKind::Directional: return {-entry.direction, kInfinity, entry.radiance, 1, true};
     case LightKind::Point:
     case LightKind::Spot: return sampleSpotOrPoint(entry, point);
@@ -155,38 +196,91 @@ Vec3 emitterPosition(const LightEntry &entry, Index vertex, float time) {
     return glm::mix(entry.steps[before][vertex], entry.steps[before + 1][vertex], at - static_cast<float>(before));
 }
 
-float emitterGrowth(const LightEntry &entry, Index triangle, float time) {
-    if (!entry.moves()) return 1;
-    const Index3 &t = entry.triangles[triangle];
-    const auto area = [&](float when) {
-        const Vec3 a = emitterPosition(entry, t.x, when);
-        return glm::length(glm::cross(emitterPosition(entry, t.y, when) - a, emitterPosition(entry, t.z, when) - a));
-    };
-    const float before = area(0);
-    return before > 0 ? area(time) / before : 1.0F;
+void prepareChoice(LightTable &table) {
+    table.parts.clear();
+    table.fewParts.clear();
+    table.everywhere.clear();
+    std::vector<LightBounds> bounds;
+    for (Index i = 0; i < table.entries.size(); ++i) {
+        LightEntry &entry = table.entries[i];
+        if (entry.kind == LightKind::Environment || entry.kind == LightKind::Directional) {
+            table.everywhere.push_back(i);
+            continue;
+        }
+        entry.firstPart = static_cast<Index>(table.parts.size());
+        const Index triangles = entry.kind == LightKind::Mesh ? static_cast<Index>(entry.triangles.size()) : 1;
+        for (Index triangle = 0; triangle < triangles; ++triangle) {
+            table.parts.push_back({i, triangle});
+            bounds.push_back(boundsOf(entry, triangle));
+        }
+    }
+    table.choices = table.parts.size() + table.everywhere.size();
+    table.few = table.choices <= kFewChoices;
+    table.tree = {};
+    if (!table.few) {
+        table.tree = buildLightTree(bounds);
+        return;
+    }
+    for (Index part = 0; part < bounds.size(); ++part) table.fewParts.push_back(leafOf(bounds[part], part));
 }
 
-float choiceProbability(const LightTable &table, Index entry, const Vec3 &point) {
-    if (table.entries.size() == 1) return 1;
-    return probabilityOf(importance(table.entries[entry], table, point), totalImportance(table, point), table.entries.size());
+namespace {
+
+[[gnu::noinline]] float probabilityAmong(const LightTable &table, const LightPart &part, const Vec3 &point) {
+    const Index firstPart = table.entries[part.entry].firstPart;
+    const bool inTree = !table.few && firstPart != kNone;
+    const float below = inTree ? leafProbability(table.tree, firstPart + part.triangle, point) : 1.0F;
+    if (inTree && table.everywhere.empty()) return below;
+    const Choices choices = choicesAt(table, point);
+    if (inTree && !(choices.tree > 0)) return 0;
+    return below * probabilityOf(inTree ? choices.tree : importance(table, part, point), choices.total, choices.count);
+}
+
+/// Out of the way of scenes with one light.
+[[gnu::noinline]] LightChoice chooseAmong(const LightTable &table, const Vec3 &point, float choose) {
+    const auto fromTree = [&](float number, float probability) -> LightChoice {
+        const LeafChoice leaf = chooseLeaf(table.tree, point, number);
+        if (leaf.light == kNone) return {};
+        const LightPart &part = table.parts[leaf.light];
+        return {part.entry, part.triangle, probability * leaf.probability};
+    };
+    if (!table.few && table.everywhere.empty()) return fromTree(choose, 1);
+    const Choices choices = choicesAt(table, point);
+    LightChoice chosen;
+    float below = 0;
+    // The last takes what rounding leaves over.
+    const auto weigh = [&](const LightPart &part, float own) {
+        const float probability = probabilityOf(own, choices.total, choices.count);
+        chosen = {part.entry, part.triangle, probability};
+        if (choose < below + probability) return true;
+        below += probability;
+        return false;
+    };
+    if (table.few) {
+        eachOfFew(table, point, weigh);
+        return chosen;
+    }
+    for (const Index entry : table.everywhere)
+        if (weigh({entry, 0}, importance(table, {entry, 0}, point))) return chosen;
+    if (!(choices.tree > 0)) return chosen;
+    const float probability = probabilityOf(choices.tree, choices.total, choices.count);
+    return fromTree(std::clamp((choose - below) / probability, 0.0F, kOneMinusEpsilon), probability);
+}
+
+} // namespace
+
+float choiceProbability(const LightTable &table, const LightPart &part, const Vec3 &point) {
+    return isAlone(table) ? 1.0F : probabilityAmong(table, part, point);
 }
 
 LightChoice chooseLight(const LightTable &table, const Vec3 &point, float choose) {
-    const std::size_t count = table.entries.size();
-    if (count == 0) return {};
-    if (count == 1) return {0, 1};
-    const float total = totalImportance(table, point);
-    float below = 0;
-    for (Index entry = 0;; ++entry) {
-        const float probability = probabilityOf(importance(table.entries[entry], table, point), total, count);
-        if (choose < below + probability || entry + 1 == count) return {entry, probability};
-        below += probability;
-    }
+    if (isAlone(table)) return {0, 0, 1};
+    return table.entries.empty() ? LightChoice{} : chooseAmong(table, point, choose);
 }
 
 LightSample sampleLight(const LightTable &table, const LightChoice &choice, const Vec3 &point, float time, const Vec2 &u) {
     if (choice.entry == kNone) return {};
-    LightSample s = sampleEntry(table, table.entries[choice.entry], point, time, u);
+    LightSample s = samplePart(table, {choice.entry, choice.triangle}, point, time, u);
     s.pdf *= choice.probability;
     return s;
 }
@@ -220,13 +314,18 @@ LightHit intersectLight(const LightTable &table, Index index, const Vec3 &origin
     return t > 0 && t < farthest ? LightHit{index, t, 1} : LightHit{};
 }
 
-float lightHitPdf(const LightTable &table, Index index, const Vec3 &point, float t, float absCosine, float growth) {
+float lightHitPdf(const LightTable &table, Index index, const Vec3 &point, float t, float absCosine) {
     const LightEntry &entry = table.entries[index];
     if (entry.kind == LightKind::Sphere) {
         const float cap = sphereCap(entry, point);
-        return cap < 2 ? choiceProbability(table, index, point) / (2 * kPi * cap) : 0;
+        return cap < 2 ? choiceProbability(table, {index, 0}, point) / (2 * kPi * cap) : 0;
     }
-    return absCosine > 0 ? choiceProbability(table, index, point) * t * t / (absCosine * entry.area * growth) : 0;
+    return absCosine > 0 ? choiceProbability(table, {index, 0}, point) * t * t / (absCosine * entry.area) : 0;
+}
+
+float emitterHitPdf(const LightTable &table, const LightPart &part, const Vec3 &point, float time, float t, float absCosine) {
+    const float area = 0.5F * glm::length(emittingTriangle(table.entries[part.entry], part.triangle, time).cross);
+    return absCosine * area > 0 ? choiceProbability(table, part, point) * t * t / (absCosine * area) : 0;
 }
 
 } // namespace taut

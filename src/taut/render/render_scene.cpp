@@ -188,25 +188,10 @@ void RenderScene::placeLights(const DMat4 &renderFromWorld) {
         entry.triangles = object.surface.triangles;
         entry.twoSided = object.object->emissionTwoSided;
         entry.mirrored = object.mirrored;
-        double sum = 0;
-        DVec3 centroid(0);
-        const std::span<const Vec3> positions = entry.steps.front();
-        for (const Index3 &t : entry.triangles) {
-            const Vec3 &a = positions[t.x];
-            const Vec3 &b = positions[t.y];
-            const Vec3 &c = positions[t.z];
-            const double area = 0.5 * static_cast<double>(glm::length(glm::cross(b - a, c - a)));
-            sum += area;
-            centroid += DVec3(a + b + c) * (area / 3);
-            entry.cumulativeArea.push_back(static_cast<float>(sum));
-        }
-        entry.area = static_cast<float>(sum);
-        entry.centre = Vec3(centroid / std::max(sum, 1e-300));
-        if (object.instanced) entry.centre = transformPoint(object.placements.front(), entry.centre);
-        if (!(entry.area > 0)) continue;
         lightEntries_[i] = static_cast<Index>(lights_.entries.size());
         lights_.entries.push_back(std::move(entry));
     }
+    prepareChoice(lights_);
 }
 
 } // namespace taut

@@ -1,0 +1,127 @@
+#pragma once
+/// A tree over many lights, by which one is chosen from a point in logarithmic time after what it could send there: Conty Estevez and
+/// Kulla 2018, "Importance Sampling of Many Lights with Adaptive Tree Splitting" (without the splitting); bounds of the cosines as
+/// in Pharr, Jakob and Humphreys 2023, "Physically Based Rendering", section 12.6.3. It knows bounds of lights alone, not lights.
+
+#include "taut/base/vec.h"
+
+#include <limits>
+#include <span>
+#include <vector>
+
+namespace taut {
+
+/// What a light, or all below a node, can do: from a point of the box, light leaves within an angle `reach` of directions that lie
+/// within an angle `spread` of the axis.
+struct LightBounds {
+    Vec3 lower{kInfinity}, upper{-kInfinity}; ///< box
+    Vec3 axis{0, 0, 1};                       ///< unit
+    float cosSpread = 1;                      ///< of an angle in [0, pi]; -1: all directions
+    float cosReach = 0;                       ///< of an angle in [0, pi/2]
+    float power = 0;       ///< greatest intensity: irradiance at distance 1 on a surface that faces a light that faces it
+    bool twoSided = false; ///< shines about the opposite axis too
+    bool met = false;      ///< rays can meet it though it is no geometry
+};
+
+/// Bounds of both.
+LightBounds united(const LightBounds &a, const LightBounds &b);
+
+/// 44 bytes: the cone in 16-bit numbers, rounded outwards.
+struct LightNode {
+    static constexpr std::uint16_t kLeaf = 1, kTwoSided = 2, kMet = 4;
+    Vec3 lower{0}, upper{0};
+    float power = 0;
+    Index link = 0; ///< the leaf's light, else the first of two children side by side
+    std::int16_t axis[3] = {0, 0, 0};
+    std::int16_t cosSpread = 0, cosReach = 0;
+    std::uint16_t flags = 0;
+
+    [[nodiscard]] bool isLeaf() const { return (flags & kLeaf) != 0; }
+};
+
+/// A leaf of one light.
+LightNode leafOf(const LightBounds &bounds, Index light);
+
+struct LightTree {
+    static constexpr std::uint64_t kNoPath = ~std::uint64_t{0};
+    std::vector<LightNode> nodes;     ///< the root first; none where no light has power
+    std::vector<std::uint64_t> paths; ///< [lights] from the root, the lowest bit first: 1 is the second child; kNoPath: not in the tree
+};
+
+/// Builds a tree over lights. Those without power, or not finite, are left out. O(n log n); the same for any number of threads.
+LightTree buildLightTree(std::span<const LightBounds> lights);
+
+/// Irradiance that what is below a node could cause at a point, up to a factor that all share and the receiver's cosine. Zero only
+/// where nothing can arrive.
+inline float importance(const LightNode &node, const Vec3 &point) {
+    constexpr float kUnit = 1.0F / 32767;
+    const Vec3 centre = 0.5F * (node.lower + node.upper);
+    const Vec3 half = node.upper - centre;
+    const Vec3 away = point - centre;
+    const float distance2 = glm::dot(away, away);
+    const float radius2 = glm::dot(half, half);
+    if (distance2 <= radius2) return node.power / std::max(radius2, 1e-20F);
+    const Vec3 axis(node.axis[0], node.axis[1], node.axis[2]);
+    const float cosAxis = glm::dot(axis, away) / std::sqrt(glm::dot(axis, axis) * distance2);
+    const float cosW = std::clamp((node.flags & LightNode::kTwoSided) != 0 ? std::fabs(cosAxis) : cosAxis, -1.0F, 1.0F);
+    const float cosSpread = node.cosSpread * kUnit;
+    // The angle between light and axis, less the spread, less the angle under which the box is seen; none of them below zero.
+    const float sinW = std::sqrt(1 - cosW * cosW);
+    const float sinSpread = std::sqrt(1 - cosSpread * cosSpread);
+    const bool within = cosW >= cosSpread;
+    const float cosX = within ? 1.0F : cosW * cosSpread + sinW * sinSpread;
+    const float sinX = within ? 0.0F : sinW * cosSpread - cosW * sinSpread;
+    const float sin2Box = radius2 / distance2;
+    const float cosBox = std::sqrt(1 - sin2Box);
+    const float cosine = cosX >= cosBox ? 1.0F : cosX * cosBox + sinX * std::sqrt(sin2Box);
+    return cosine > node.cosReach * kUnit ? node.power * std::max(cosine, 0.0F) / std::max(distance2, 1e-20F) : 0.0F;
+}
+
+/// The same of all lights.
+inline float importance(const LightTree &tree, const Vec3 &point) {
+    return tree.nodes.empty() ? 0.0F : importance(tree.nodes.front(), point);
+}
+
+/// A light, and the probability with which it is chosen at a point; none where nothing can arrive.
+struct LeafChoice {
+    Index light = kNone;
+    float probability = 0;
+};
+/// `choose` uniform in [0, 1).
+LeafChoice chooseLeaf(const LightTree &tree, const Vec3 &point, float choose);
+/// Probability with which chooseLeaf() returns a light at a point: its way down from the root.
+float leafProbability(const LightTree &tree, Index light, const Vec3 &point);
+
+/// Calls `meet(light, farthest)` for every light whose rays can meet it and whose box, grown by what rounding may move, the ray
+/// enters before `farthest`. It returns what is farthest from then on.
+template <class Meet>
+[[gnu::noinline]] void visitMetBy(const LightTree &tree, const Vec3 &origin, const Vec3 &direction, float farthest, const Meet &meet) {
+    if (tree.nodes.empty()) return;
+    const auto inverseOf = [](float d) { return 1 / (std::fabs(d) > 1e-18F ? d : std::copysign(1e-18F, d)); };
+    const Vec3 inverse(inverseOf(direction.x), inverseOf(direction.y), inverseOf(direction.z));
+    const float slack = 4e-6F * std::max(std::fabs(origin.x), std::max(std::fabs(origin.y), std::fabs(origin.z)));
+    const auto enters = [&](const LightNode &node) {
+        if ((node.flags & LightNode::kMet) == 0) return false;
+        const Vec3 a = (node.lower - slack - origin) * inverse;
+        const Vec3 b = (node.upper + slack - origin) * inverse;
+        const float from = std::max(std::max(std::min(a.x, b.x), std::min(a.y, b.y)), std::min(a.z, b.z));
+        const float to = std::min(std::min(std::max(a.x, b.x), std::max(a.y, b.y)), std::max(a.z, b.z));
+        constexpr float kRounding = 1e-5F;
+        return from - kRounding * std::fabs(from) <= to + kRounding * std::fabs(to) && to >= 0 && from * (1 - kRounding) < farthest;
+    };
+    Index waiting[std::numeric_limits<std::uint64_t>::digits + 1];
+    int count = 0;
+    waiting[count++] = 0;
+    while (count > 0) {
+        const LightNode &node = tree.nodes[waiting[--count]];
+        if (!enters(node)) continue;
+        if (node.isLeaf()) {
+            farthest = meet(node.link, farthest);
+            continue;
+        }
+        waiting[count++] = node.link + 1;
+        waiting[count++] = node.link;
+    }
+}
+
+} // namespace taut
