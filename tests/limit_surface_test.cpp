@@ -45,8 +45,9 @@ double worstGradient(const LimitSurface &l, const std::function<DVec3(std::size_
     double worst = 0;
     checked = 0;
     for (std::size_t s = 0; s < l.surface.normals.size(); ++s) {
-        const DVec3 e1 = expected(s, DVec3(l.surface.e1[s]));
-        const DVec3 e2 = expected(s, DVec3(l.surface.e2[s]));
+        const Frame frame = l.surface.frameAt(s);
+        const DVec3 e1 = expected(s, DVec3(frame.s));
+        const DVec3 e2 = expected(s, DVec3(frame.t));
         if (!std::isfinite(e1.x + e2.x)) continue;
         ++checked;
         // The gradient is kept in the tangent plane of the deformed surface, where both vectors lie.

@@ -41,6 +41,15 @@ inline Frame smoothFrameFromNormal(const Vec3 &n) {
     return {s, glm::cross(n, s), n};
 }
 
+/// Frame of a unit normal by one division and no root, where any will do that is always the same for a normal: it jumps where n.z
+/// changes sign. Duff et al. 2017.
+inline Frame quickFrameFromNormal(const Vec3 &n) {
+    const float sign = std::copysign(1.0F, n.z);
+    const float a = -1 / (sign + n.z);
+    const float b = n.x * n.y * a;
+    return {{1 + sign * n.x * n.x * a, sign * b, -sign * n.x}, {b, sign + n.y * n.y * a, -n.y}, n};
+}
+
 /// Frame with normal `n` (unit) whose s is `tangent` made perpendicular to n; falls back to smoothFrameFromNormal where
 /// the tangent vanishes in the plane of n.
 inline Frame frameFromNormalTangent(const Vec3 &n, const Vec3 &tangent) {

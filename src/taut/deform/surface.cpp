@@ -1,6 +1,5 @@
 #include "taut/deform/surface.h"
 
-#include "taut/base/frame.h"
 #include "taut/deform/surface_fit.h"
 #include "taut/mesh/triangulate.h"
 #include "taut/mesh/weld.h"
@@ -116,11 +115,8 @@ class Builder {
             cornerSurface_[c] = static_cast<Index>(surface_.normals.size());
             here.push_back(cornerSurface_[c]);
             if (onLimit) surfaceNormal_.push_back(mesh_.cornerNormals[c]);
-            const Frame frame = smoothFrameFromNormal(normals[c]);
             surface_.surfacePosition.push_back(position);
             surface_.normals.push_back(normals[c]);
-            surface_.e1.push_back(frame.s);
-            surface_.e2.push_back(frame.t);
         }
     }
 
@@ -236,8 +232,7 @@ class Builder {
 
     /// (t0, b0) in (e1, e2): an orthonormal frame, mirrored where the UV map is.
     Vec4 restFrame(const VertexSum &sum) {
-        const Vec3 &e1 = surface_.e1[sum.surface];
-        const Vec3 &e2 = surface_.e2[sum.surface];
+        const Frame frame = surface_.frameAt(sum.surface);
         Vec3 direction = sum.dPdu;
         float hand = sum.mirrored ? -1.0F : 1.0F;
         if (sum.tangent != kNone) {
@@ -245,12 +240,12 @@ class Builder {
             direction = options_.restFromObject * Vec3(tangent);
             hand = tangent.w < 0 ? -1.0F : 1.0F;
         }
-        Vec2 t(glm::dot(direction, e1), glm::dot(direction, e2));
+        Vec2 t(frame.toLocal(direction));
         const float length = glm::length(t);
         if (length > 1e-6F * glm::length(direction) && length > 0) {
             t /= length;
         } else { // SmoothFieldNoUv
-            t = {1, 0};
+            t = glm::normalize(Vec2(frame.toLocal(smoothTangentFromNormal(frame.n))));
             ++surface_.fallbackTangents;
         }
         return {t.x, t.y, -hand * t.y, hand * t.x};
@@ -295,9 +290,8 @@ void compact(Surface &surface, bool fits) {
     }
     const auto shrink = [](auto &...arrays) { (arrays.shrink_to_fit(), ...); };
     shrink(surface.triangles, surface.triangleSlots, surface.vertexSurface, surface.uvs, surface.vertexTangents, surface.frameCoefficients,
-           surface.surfacePosition, surface.normals, surface.e1, surface.e2, surface.stencilOffsets, surface.stencilPositions,
-           surface.stencilWeights, surface.stencilPoints, surface.slope, surface.weightGradientOffsets, surface.weightGradientJoints,
-           surface.weightGradients);
+           surface.surfacePosition, surface.normals, surface.stencilOffsets, surface.stencilPositions, surface.stencilWeights,
+           surface.stencilPoints, surface.slope, surface.weightGradientOffsets, surface.weightGradientJoints, surface.weightGradients);
 }
 
 } // namespace taut

@@ -16,12 +16,12 @@
 ///                        mirrored UVs b0 turns over, and so does the sense of a material's rotation. The UV winding splits
 ///                        render vertices, so a mirror seam is sharp.
 ///                        Across a seam where the map runs on (within 20 degrees) both sides share one tangent.
-///   SmoothFieldNoUv      without UVs (or where the UV map is degenerate) t0 comes from smoothFrameFromNormal: smooth over the
+///   SmoothFieldNoUv      without UVs (or where the UV map is degenerate) t0 comes from smoothTangentFromNormal: smooth over the
 ///                        sphere of normals but for one point (n = -z).
 ///   SkipDegenerateFace   a face without area has no say in gradients and normals; it is still rendered by its neighbours' data.
 ///   RestAtLoneVertex     a surface vertex with only degenerate faces keeps A = identity.
 
-#include "taut/base/vec.h"
+#include "taut/base/frame.h"
 #include "taut/mesh/subdivide.h"
 
 #include <span>
@@ -41,7 +41,6 @@ struct Surface {
     // Surface vertices.
     std::vector<Index> surfacePosition; ///< -> position
     std::vector<Vec3> normals;          ///< rest space, unit
-    std::vector<Vec3> e1, e2;           ///< rest space: with the normal an orthonormal right-handed frame
     Mat3 restFromObject{1};
 
     // Gradient from positions: dx/de1 = sum weights.x * x[position], dx/de2 = sum weights.y * x[position]; exact in the tangent
@@ -65,6 +64,8 @@ struct Surface {
     Index fallbackTangents = 0; ///< render vertices under SmoothFieldNoUv
 
     [[nodiscard]] std::size_t vertexCount() const { return vertexSurface.size(); }
+    /// (e1, e2, normal) of a surface vertex, rest space: orthonormal, right-handed. A function of the normal, so that it needs no memory.
+    [[nodiscard]] Frame frameAt(std::size_t surfaceVertex) const { return quickFrameFromNormal(normals[surfaceVertex]); }
     /// Whether the stencils are those of a limit surface, on the points of a cage.
     [[nodiscard]] bool onLimit() const { return !stencilPoints.empty(); }
 };

@@ -59,7 +59,7 @@ template <class F> void forEachCornerTriangle(const FitInput &input, const Surfa
 }
 
 /// Weighted mean of the corner triangles' gradients, grad(phi_k) = n x (opposite edge) / (2 area), by area or by the corner's angle.
-void addMean(const CornerTriangle &t, bool byAngle, const Vec3 &e1, const Vec3 &e2, Row &row) {
+void addMean(const CornerTriangle &t, bool byAngle, const Frame &frame, Row &row) {
     float weight = t.area;
     if (byAngle) {
         const Vec3 a = t.points[1] - t.points[0];
@@ -70,19 +70,19 @@ void addMean(const CornerTriangle &t, bool byAngle, const Vec3 &e1, const Vec3 &
     const float scale = 0.5F * weight / t.area;
     for (std::size_t i = 0; i < 3; ++i) {
         const Vec3 g = scale * glm::cross(t.normal, t.points[(i + 2) % 3] - t.points[(i + 1) % 3]);
-        row.add(t.positions[i], Vec2(glm::dot(g, e1), glm::dot(g, e2)));
+        row.add(t.positions[i], Vec2(glm::dot(g, frame.s), glm::dot(g, frame.t)));
     }
 }
 
 /// Least squares over the one-ring: F minimises sum |x_k - x_0 - F a_k|^2, a_k the neighbours in the rest tangent plane. First
 /// the neighbours with their a_k are gathered, then F = sum (x_k - x_0) a_k^T (sum a a^T)^-1 makes them weights.
-void addNeighbours(const CornerTriangle &t, const Vec3 &e1, const Vec3 &e2, Row &row) {
+void addNeighbours(const CornerTriangle &t, const Frame &frame, Row &row) {
     row.total = 1;
     for (std::size_t i = 1; i < 3; ++i) {
         const Vec3 edge = t.points[i] - t.points[0];
         const bool known =
             std::any_of(row.entries.begin(), row.entries.end(), [&](const auto &entry) { return entry.first == t.positions[i]; });
-        if (!known) row.entries.emplace_back(t.positions[i], Vec2(glm::dot(edge, e1), glm::dot(edge, e2)));
+        if (!known) row.entries.emplace_back(t.positions[i], Vec2(glm::dot(edge, frame.s), glm::dot(edge, frame.t)));
     }
 }
 void solveLeastSquares(Index centre, Row &row) {
@@ -117,8 +117,7 @@ bool normaliseFit(const FitInput &input, Row &row, std::size_t s, Surface &surfa
         f1 += input.rest[position] * weight.x;
         f2 += input.rest[position] * weight.y;
     }
-    const Vec3 &e1 = surface.e1[s];
-    const Vec3 &e2 = surface.e2[s];
+    const auto [e1, e2, n] = surface.frameAt(s);
     const Mat2 tangent(glm::dot(f1, e1), glm::dot(f1, e2), glm::dot(f2, e1), glm::dot(f2, e2)); // columns: f1, f2 in (e1, e2)
     if (!(glm::determinant(tangent) > kLeastFitDeterminant)) return false;
     const Mat2 correction = glm::inverse(tangent); // [f1 f2] * correction = [e1 e2] in the plane
@@ -126,7 +125,7 @@ bool normaliseFit(const FitInput &input, Row &row, std::size_t s, Surface &surfa
         weight = {weight.x * correction[0][0] + weight.y * correction[0][1], weight.x * correction[1][0] + weight.y * correction[1][1]};
     const Vec3 g1 = f1 * correction[0][0] + f2 * correction[0][1];
     const Vec3 g2 = f1 * correction[1][0] + f2 * correction[1][1];
-    surface.slope[s] = {glm::dot(g1, surface.normals[s]), glm::dot(g2, surface.normals[s])};
+    surface.slope[s] = {glm::dot(g1, n), glm::dot(g2, n)};
     return true;
 }
 
@@ -140,7 +139,7 @@ class LimitRows {
     bool append(std::size_t s, Index normal, const Row &fit, Surface &surface) {
         entries_.clear();
         addPoint(surface.surfacePosition[s], [](float w) { return Vec3(w, 0, 0); });
-        const bool exact = addTangents(normal, surface.e1[s], surface.e2[s]);
+        const bool exact = addTangents(normal, surface.frameAt(s));
         if (exact)
             surface.slope[s] = Vec2(0);
         else
@@ -164,7 +163,7 @@ class LimitRows {
             entries_.emplace_back(table.indices[k], weights(table.weights[k]));
     }
     /// With rest tangents R = [e1 e2] T the weights along e1, e2 are those of the tangents times T^-1.
-    bool addTangents(Index normal, const Vec3 &e1, const Vec3 &e2) {
+    bool addTangents(Index normal, const Frame &frame) {
         const TangentTable &table = limit_.tangents;
         DVec3 r1(0);
         DVec3 r2(0);
@@ -175,7 +174,9 @@ class LimitRows {
         }
         r1 = DMat3(options_.restFromObject) * r1;
         r2 = DMat3(options_.restFromObject) * r2;
-        const glm::dmat2 t(glm::dot(r1, DVec3(e1)), glm::dot(r1, DVec3(e2)), glm::dot(r2, DVec3(e1)), glm::dot(r2, DVec3(e2)));
+        const DVec3 e1(frame.s);
+        const DVec3 e2(frame.t);
+        const glm::dmat2 t(glm::dot(r1, e1), glm::dot(r1, e2), glm::dot(r2, e1), glm::dot(r2, e2));
         const double det = glm::determinant(t);
         if (!(det > 1e-6 * glm::length(r1) * glm::length(r2))) return false;
         const glm::dmat2 toFrame = glm::transpose(glm::inverse(t));
@@ -194,12 +195,11 @@ class LimitRows {
 void makeFits(const FitInput &input, const SurfaceOptions &options, Surface &surface) {
     std::vector<Row> rows(surface.normals.size());
     forEachCornerTriangle(input, surface, [&](const CornerTriangle &t) {
-        const Vec3 &e1 = surface.e1[t.surface];
-        const Vec3 &e2 = surface.e2[t.surface];
+        const Frame frame = surface.frameAt(t.surface);
         if (options.fit == GradientFit::LeastSquares)
-            addNeighbours(t, e1, e2, rows[t.surface]);
+            addNeighbours(t, frame, rows[t.surface]);
         else
-            addMean(t, options.fit == GradientFit::Angle, e1, e2, rows[t.surface]);
+            addMean(t, options.fit == GradientFit::Angle, frame, rows[t.surface]);
     });
     surface.stencilOffsets.assign(1, 0);
     surface.slope.assign(rows.size(), Vec2(0));

@@ -136,7 +136,7 @@ struct Blend {
 Blend blendAt(const Surface &surface, std::size_t s, const MotionState &motion, const SkinWeights &skin, const Vec3 &x) {
     Blend blend;
     const Index position = surface.surfacePosition[s];
-    if (motion.joints.empty() || skin.empty() || skin.offsets[position] == skin.offsets[position + 1]) {
+    if (skin.offsets[position] == skin.offsets[position + 1]) {
         blend.map = motion.carrier;
         return blend;
     }
@@ -185,21 +185,29 @@ void evaluateGradient(const Surface &surface, const MotionState &motion, const S
     resizeAll(out, count);
     if (out.wantNormalImage && out.normalImage.size() != count) out.normalImage.resize(count);
     const Mat3 objectFromRest = glm::inverse(surface.restFromObject);
+    const Mat3 carrierFromRest = Mat3(motion.carrier[0], motion.carrier[1], motion.carrier[2]) * objectFromRest;
+    const bool skinned = !motion.joints.empty() && !skin.empty();
     std::atomic<bool> finite{true};
     parallelFor(count, kGrain, [&](std::size_t s) {
         const Vec3 x = motion.control[surface.surfacePosition[s]];
-        Vec3 f1 = surface.e1[s];
-        Vec3 f2 = surface.e2[s];
-        Vec3 n = surface.normals[s];
+        auto [f1, f2, n] = surface.frameAt(s);
         if (motion.controlMoved && surface.stencilOffsets[s] != surface.stencilOffsets[s + 1]) {
             differentiate(surface, s, motion.control, f1, f2);
             raiseFit(surface, s, surface.restFromObject, false, f1, f2, n);
         }
-        const Blend blend = blendAt(surface, s, motion, skin, x);
-        Vec3 position = transformPoint(blend.map, x);
-        f1 = transformVector(blend.map, objectFromRest * f1) + blend.drift1;
-        f2 = transformVector(blend.map, objectFromRest * f2) + blend.drift2;
-        n = transformVector(blend.map, objectFromRest * n);
+        Vec3 position;
+        if (skinned) {
+            const Blend blend = blendAt(surface, s, motion, skin, x);
+            position = transformPoint(blend.map, x);
+            f1 = transformVector(blend.map, objectFromRest * f1) + blend.drift1;
+            f2 = transformVector(blend.map, objectFromRest * f2) + blend.drift2;
+            n = transformVector(blend.map, objectFromRest * n);
+        } else {
+            position = transformPoint(motion.carrier, x);
+            f1 = carrierFromRest * f1;
+            f2 = carrierFromRest * f2;
+            n = carrierFromRest * n;
+        }
         if (!motion.deformers.empty()) {
             DVec3 dx(position);
             DVec3 df1(f1);
@@ -243,9 +251,10 @@ void fitGradient(const Surface &surface, std::span<const Vec3> renderPoints, boo
         if (known) {
             raiseFit(surface, s, Mat3(1), mirrored, out.f1[s], out.f2[s], out.normal[s]);
         } else {
-            out.f1[s] = surface.e1[s];
-            out.f2[s] = surface.e2[s];
-            out.normal[s] = surface.normals[s];
+            const Frame frame = surface.frameAt(s);
+            out.f1[s] = frame.s;
+            out.f2[s] = frame.t;
+            out.normal[s] = frame.n;
         }
         if (mirrored) out.normal[s] = -out.normal[s];
         if (!isFinite(out.position[s])) finite = false;

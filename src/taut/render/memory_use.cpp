@@ -31,8 +31,8 @@ MemoryUse memoryUse(const RenderScene &scene) {
         use.shown += bytesOf(s.triangles, s.triangleSlots, s.uvs, object.storedPoisson);
         for (const SurfaceStep &step : object.steps)
             use.shown += bytesOf(step.positions, step.normals, step.tangents, step.stretch, step.lean, step.ds, step.dt);
-        use.motion += bytesOf(s.vertexSurface, s.vertexTangents, s.frameCoefficients, s.surfacePosition, s.normals, s.e1, s.e2,
-                              s.stencilOffsets, s.stencilPositions, s.stencilWeights, s.stencilPoints, s.slope, s.weightGradientOffsets,
+        use.motion += bytesOf(s.vertexSurface, s.vertexTangents, s.frameCoefficients, s.surfacePosition, s.normals, s.stencilOffsets,
+                              s.stencilPositions, s.stencilWeights, s.stencilPoints, s.slope, s.weightGradientOffsets,
                               s.weightGradientJoints, s.weightGradients);
         const SurfaceGradient &g = object.gradient;
         use.motion += bytesOf(g.position, g.f1, g.f2, g.normal, g.points, g.normalImage, object.motion.control, object.cage, object.refined,

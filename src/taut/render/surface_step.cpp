@@ -227,13 +227,11 @@ void prepareRenderObject(const Object &object, const RenderSettings &render, con
     }
     out.restTangents.resize(surface.vertexCount());
     for (std::size_t v = 0; v < out.restTangents.size(); ++v) {
-        const Index s = surface.vertexSurface[v];
+        const Frame frame = surface.frameAt(surface.vertexSurface[v]);
         const Vec4 &k = surface.frameCoefficients[v];
-        out.restTangents[v] = Vec4(surface.e1[s] * k.x + surface.e2[s] * k.y, k.x * k.w - k.y * k.z < 0 ? -1.0F : 1.0F);
+        out.restTangents[v] = Vec4(frame.s * k.x + frame.t * k.y, k.x * k.w - k.y * k.z < 0 ? -1.0F : 1.0F);
     }
-    out.surface.e1.clear(); // the tangents are all that was wanted of these
-    out.surface.e2.clear();
-    out.surface.frameCoefficients.clear();
+    out.surface.frameCoefficients.clear(); // the tangents are all that was wanted of these
     compact(out.surface, false);
 }
 

@@ -90,8 +90,9 @@ DMat4 objectFromWorld(const Object &object, double frame) {
 void restFrame(const Surface &surface, const Mat3 &objectFromRest, Index source, Vec3 &normal, Vec3 &tangent) {
     const Index s = surface.vertexSurface[source];
     const Vec4 &k = surface.frameCoefficients[source];
-    normal = glm::normalize(glm::transpose(surface.restFromObject) * surface.normals[s]);
-    tangent = glm::normalize(objectFromRest * (surface.e1[s] * k.x + surface.e2[s] * k.y));
+    const Frame frame = surface.frameAt(s);
+    normal = glm::normalize(glm::transpose(surface.restFromObject) * frame.n);
+    tangent = glm::normalize(objectFromRest * (frame.s * k.x + frame.t * k.y));
 }
 
 } // namespace
