@@ -82,3 +82,12 @@ TEST_CASE("A deforming mesh takes at most 1.5 times the memory of BVH, positions
         checkAgainstMalloc(m);
     }
 }
+
+TEST_CASE("A subdivided mesh that deforms holds its rows of weights once", "[memory][render]") {
+    const Measured m = measureTorus(80, 40, 2, false);
+    INFO(describe(m));
+    // Rows of 16 points and more at each of the vertices, half as many as triangles: 8 bytes of index and weight each for positions, 8
+    // more for the gradient.
+    CHECK(m.ratio() <= 2.7);
+    checkAgainstMalloc(m);
+}

@@ -209,6 +209,10 @@ void prepareRenderObject(const Object &object, const RenderSettings &render, con
     out.steps.resize(out.instanced ? 1 : times);
     prepareObjectSurface(object, render.fps, out.plan.estimator, out.plan.subdivisionLevel, out);
     const Surface &surface = out.surface;
+    if (out.subdivision) { // the surface has taken over what it needs of these; its fits read refined points
+        out.subdivision->tangents = {};
+        if (out.rigid || surface.onLimit()) out.subdivision->positions = {};
+    }
     if (out.plan.estimator == GradientEstimator::Face && !out.rigid) {
         std::vector<Vec3> rest(surface.vertexCount());
         for (std::size_t v = 0; v < rest.size(); ++v)
