@@ -15,8 +15,12 @@ namespace {
 
 /// Bytes that malloc has given out; 0 where a sanitizer has a malloc of its own.
 double heapBytes() {
+#ifdef __SANITIZE_ADDRESS__
+    return 0;
+#else
     const struct mallinfo2 info = mallinfo2();
     return static_cast<double>(info.uordblks + info.hblkhd);
+#endif
 }
 
 struct Measured {
