@@ -34,7 +34,7 @@ test: build
 	ctest --preset release
 
 bench: build
-	$(BUILD)/taut_bench --output build/bench.json $(if $(shell command -v blender),--cycles --equal-error)
+	$(BUILD)/taut_bench --output build/bench.json --chart build/bench $(if $(shell command -v blender),--cycles --equal-error)
 
 # The whole suite under the address and undefined behaviour sanitizers.
 sanitize: deps

@@ -1,7 +1,10 @@
 /// taut_bench: samples and rays per second of the renderer, beside the same rays replayed through bare Embree calls and, where it
-/// is asked for, Cycles on the same scenes; where the time goes; and time to equal error. Prints tables; --output writes JSON.
+/// is asked for, Cycles on the same scenes; where the time goes; and time to equal error. Prints tables; --output writes JSON, --chart
+/// plots.
 
+#include "bench_chart.h"
 #include "chart/cycles_peer.h"
+#include "chart/plots.h"
 #include "measure.h"
 
 #include "taut/base/error.h"
@@ -121,11 +124,13 @@ void printEqualError(const nlohmann::json &scenes) {
 int main(int argc, char **argv) {
     CLI::App app("Measures the renderer beside bare Embree calls for the same rays and beside Cycles.", "taut_bench");
     std::string output;
+    std::string chartFolder;
     std::vector<std::string> only;
     MeasureOptions options;
     options.threads = tbb::info::default_concurrency();
     bool quick = false;
     app.add_option("--output", output, "Write what was measured as JSON");
+    app.add_option("--chart", chartFolder, "A folder for plots and a page of them");
     app.add_option("--scene", only, "Only these scenes");
     app.add_option("--spp", options.spp, "Samples per pixel of a timed frame")->check(CLI::Range(1, 4096));
     app.add_option("--record-spp", options.recordSpp, "Samples per pixel recorded for the replay")->check(CLI::Range(1, 64));
@@ -147,6 +152,7 @@ int main(int argc, char **argv) {
             std::cerr << "taut_bench: blender is not on the PATH: Cycles is left out" << std::endl;
             options.cycles = false;
         }
+        if (!chartFolder.empty()) chart::requireGnuplot(); // rather now than after the measurement
         std::vector<std::string_view> names;
         for (const BenchScene &bench : benchScenes()) names.push_back(bench.name);
         for (const std::string &name : only)
@@ -161,6 +167,11 @@ int main(int argc, char **argv) {
         printMemory(scenes);
         if (options.cycles && options.equalError) printEqualError(scenes);
         if (!output.empty()) writeTextFile(output, nlohmann::json{{"threads", options.threads}, {"scenes", scenes}}.dump(2) + "\n");
+        if (!chartFolder.empty()) {
+            const std::string conditions =
+                fmt::format("{} threads, {} rounds, {} samples per pixel, 512 x 512 pixels.", options.threads, options.rounds, options.spp);
+            writeBenchChart(benchChart(scenes, conditions), chartFolder);
+        }
     } catch (const InputError &error) {
         std::cerr << "taut_bench: error: " << error.what() << std::endl;
         return 2;
