@@ -14,6 +14,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <array>
 #include <optional>
 
 namespace taut::bench {
@@ -140,12 +141,33 @@ struct FrameCost {
     [[nodiscard]] double at(double spp) const { return fixed + spp * perSample; }
 };
 
-constexpr int kCompared[] = {16, 64, 256};
+constexpr std::array<int, 3> kCompared{16, 64, 256};
 constexpr int kMostSamples = 4096;
 
-/// Errors of both renderers from two seeds each, over the samples; the times to equal error; how far the images agree.
+/// What frames cost where the plan reckons with other samples than those they were timed with, which may make another kind of BVH
+/// pay: `timed`, scaled by how the two compare in turn.
+FrameCost costAtSamples(Scene scene, int spp, RenderScene &ready, const MeasureOptions &options, const FrameCost &timed) {
+    scene.render.spp = spp;
+    RenderScene planned(scene, true);
+    if (planned.refits() == ready.refits()) return timed;
+    StageTimes ignored;
+    planned.setFrame(scene.render.frames.front(), ignored);
+    renderAll(planned, 1);
+    std::vector<double> updates;
+    std::vector<double> traced;
+    for (int round = 0; round < options.rounds; ++round) {
+        const Ours before = renderAll(ready, options.spp);
+        const Ours after = renderAll(planned, options.spp);
+        updates.push_back(after.updates() / before.updates());
+        traced.push_back(after.traced / before.traced);
+    }
+    return {timed.fixed * spreadOf(updates).median, timed.perSample * spreadOf(traced).median};
+}
+
+/// Errors of both renderers from two seeds each, over the samples; the times to equal error; how far the images agree. `ours`: for
+/// every number of samples that is compared.
 void measureEqualError(const BenchScene &bench, const MeasureOptions &options, CyclesPeer &cycles, const fs::path &folder,
-                       const FrameCost &ours, const FrameCost &theirs, json &out) {
+                       const std::array<FrameCost, kCompared.size()> &ours, const FrameCost &theirs, json &out) {
     Scene scene = bench.make();
     scene.render.width = scene.render.height = options.errorSize;
     for (Object &object : scene.objects) object.follow = false; // as Cycles sees it
@@ -173,15 +195,17 @@ void measureEqualError(const BenchScene &bench, const MeasureOptions &options, C
     }
     double worst = 0;
     out["equal_error"] = json::array();
-    for (const ErrorPoint &point : theirCurve) {
+    for (std::size_t i = 0; i < theirCurve.size(); ++i) {
+        const ErrorPoint &point = theirCurve[i];
         const double samples = samplesToReach(ourCurve, point.error);
-        const double ratio = ours.at(samples) / theirs.at(point.samples);
+        const double seconds = ours[i].at(samples);
+        const double ratio = seconds / theirs.at(point.samples);
         worst = std::max(worst, ratio);
         out["equal_error"].push_back({{"cycles_spp", point.samples},
                                       {"mse", point.error},
                                       {"our_spp", samples},
                                       {"cycles_seconds", theirs.at(point.samples)},
-                                      {"our_seconds", ours.at(samples)},
+                                      {"our_seconds", seconds},
                                       {"time_ratio", ratio}});
     }
     out["our_errors"] = json::array();
@@ -305,7 +329,10 @@ json measure(const BenchScene &bench, const MeasureOptions &options) {
         // What a frame of ours costs: the update, unless there is one frame, which is built once and not counted in either.
         const double pixels = static_cast<double>(scene.render.width) * scene.render.height;
         const double update = frames > 1 ? total.updates() / measuredFrames : 0;
-        const FrameCost ours{update, pixels * total.traced / static_cast<double>(total.counts.paths)};
+        const FrameCost timed{update, pixels * total.traced / static_cast<double>(total.counts.paths)};
+        std::array<FrameCost, kCompared.size()> ours;
+        for (std::size_t i = 0; i < ours.size(); ++i)
+            ours[i] = frames > 1 ? costAtSamples(scene, kCompared[i], ready, options, timed) : timed;
         const FrameCost theirs{std::max(0.0, spreadOf(cyclesFixed).median), spreadOf(cyclesPerSample).median};
         measureEqualError(bench, options, *cycles, folder->path(), ours, theirs, out);
     }
