@@ -89,10 +89,17 @@ inline Vector3<T> sampleCap(const BasicMicroTransform<T> &m, const Vector3<T> &w
     return {side.x + o.x, side.y + o.y, below ? height - depth : (1 - depth) + o.z};
 }
 
-/// The same (k = 1) from the visible half of the unit disk across the view (Heitz 2018, JCGT 7(4)), cut into chords in the plane of
-/// incidence: where polar coordinates wrap around, these keep near to each other what is near in u. u.y is constant where
-/// the slope along the view is, as with the slopes that Heitz & d'Eon 2014 sample. (Without the attribute GCC 12 leaves it out of line, and
-/// loops over it scalar.)
+/// A visible normal (unit, local space) from such a cap. Density with k = 1: visibleNormalPdf.
+template <class T>
+inline Vector3<T> sampleVisibleNormal(const BasicMicroTransform<T> &m, const Vector3<T> &wo, const Vector2<T> &u,
+                                      std::type_identity_t<T> k = 1) {
+    return glm::normalize(m.inverseTransposed(sampleCap(m, wo, u, k)));
+}
+
+/// A visible normal in standard space as sampleCap() with k = 1, from the visible half of the unit disk across the view (Heitz 2018, JCGT
+/// 7(4)), cut into chords in the plane of incidence: where polar coordinates wrap around, these keep near to each other what is near in u.
+/// u.y is constant where the slope along the view is, as with the slopes that Heitz & d'Eon 2014 sample. (Without the attribute GCC 12
+/// leaves it out of line, and loops over it scalar.)
 template <class T>
 [[gnu::always_inline]] inline Vector3<T> sampleChord(const BasicMicroTransform<T> &m, const Vector3<T> &wo, const Vector2<T> &u) {
     const Vector3<T> o = glm::normalize(m.inverse(wo)); // woStd
@@ -115,13 +122,6 @@ template <class T>
     return {forth * alongX - x * alongY, forth * alongY + x * alongX, up};
 }
 
-/// A visible normal (unit, local space) from such a cap. Density with k = 1: visibleNormalPdf.
-template <class T>
-inline Vector3<T> sampleVisibleNormal(const BasicMicroTransform<T> &m, const Vector3<T> &wo, const Vector2<T> &u,
-                                      std::type_identity_t<T> k = 1) {
-    return glm::normalize(m.inverseTransposed(sampleCap(m, wo, u, k)));
-}
-
 /// Whether stratified samples are better spread by chords than by a cap: seen from above, where micro-normals lean more than four times
 /// as far along one direction as across it, as on brushed metal (docs/reflection_sampling.md).
 template <class T> inline bool prefersChords(const BasicMicroTransform<T> &m, const Vector3<T> &wo) {
@@ -136,10 +136,16 @@ template <class T> inline T reflectionBound(const BasicMicroTransform<T> &m, con
     return prefersChords(m, wo) ? T(1) : capBound(m, wo);
 }
 
-/// A visible normal as sampleVisibleNormal(), by chords where those are preferred; k from reflectionBound(), or 1.
+/// A visible normal as sampleVisibleNormal(), by chords where prefersChords(); k from reflectionBound(), or 1.
 template <class T>
 inline Vector3<T> spreadVisibleNormal(const BasicMicroTransform<T> &m, const Vector3<T> &wo, const Vector2<T> &u,
                                       std::type_identity_t<T> k = 1) {
+    return prefersChords(m, wo) ? glm::normalize(m.inverseTransposed(sampleChord(m, wo, u))) : sampleVisibleNormal(m, wo, u, k);
+}
+/// The same for loops over many, without a branch: both are sampled.
+template <class T>
+inline Vector3<T> spreadVisibleNormalBranchless(const BasicMicroTransform<T> &m, const Vector3<T> &wo, const Vector2<T> &u,
+                                                std::type_identity_t<T> k = 1) {
     const Vector3<T> cap = sampleCap(m, wo, u, k);
     const Vector3<T> chord = sampleChord(m, wo, u);
     const bool chords = prefersChords(m, wo);

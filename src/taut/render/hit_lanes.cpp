@@ -197,7 +197,7 @@ template <PlainKind kKind> TAUT_INLINE void directionLoop(HitLanes &l, const Pla
         } else if constexpr (kKind == PlainKind::Dielectric) {
             const float eta = relativeIndex(l, i, m);
             const Vec3 wo = l.woLocal.at(i);
-            const Vec3 wm = ggx::spreadVisibleNormal(l.micro(i), wo, u);
+            const Vec3 wm = ggx::spreadVisibleNormalBranchless(l.micro(i), wo, u);
             const float cosine = glm::dot(wo, wm);
             const bool reflects = l.coin[i] < fresnel::dielectric(cosine, eta);
             const Vec3 reflected = glm::normalize(2 * cosine * wm - wo);
@@ -209,7 +209,7 @@ template <PlainKind kKind> TAUT_INLINE void directionLoop(HitLanes &l, const Pla
             l.usable[i] = std::min(cosine, reflects ? reflected.z : beyond);
         } else {
             const Vec3 wo = l.woLocal.at(i);
-            const Vec3 wm = ggx::spreadVisibleNormal(l.micro(i), wo, u, l.capBound[i]);
+            const Vec3 wm = ggx::spreadVisibleNormalBranchless(l.micro(i), wo, u, l.capBound[i]);
             l.scatterLocal.set(i, (2 * glm::dot(wo, wm) / glm::dot(wm, wm)) * wm - wo);
         }
     }
