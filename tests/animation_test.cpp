@@ -162,17 +162,17 @@ TEST_CASE("CUBICSPLINE by hand: which tangent belongs to which side", "[animatio
 }
 
 TEST_CASE("Nodes compose from the root down", "[animation]") {
-    GltfFile file;
-    file.nodes = {nodeOf(kNone), nodeOf(0), nodeOf(1), nodeOf(0)};
-    file.nodes[0].translation = {1, 2, 3};
-    file.nodes[0].rotation = glm::angleAxis(kPiD / 2, DVec3(0, 0, 1));
-    file.nodes[1].scale = {2, 3, 4};
-    file.nodes[1].translation = {0, 1, 0};
+    Rig rig;
+    rig.nodes = {nodeOf(kNone), nodeOf(0), nodeOf(1), nodeOf(0)};
+    rig.nodes[0].translation = {1, 2, 3};
+    rig.nodes[0].rotation = glm::angleAxis(kPiD / 2, DVec3(0, 0, 1));
+    rig.nodes[1].scale = {2, 3, 4};
+    rig.nodes[1].translation = {0, 1, 0};
     const DMat4 sheared(1, 0, 0, 0, 0.5, 1, 0, 0, 0, 0, 1, 0, 4, 0, 0, 1);
-    file.nodes[2].matrix = sheared;
-    file.nodes[2].translation = {99, 99, 99}; // a matrix speaks for itself
-    file.nodes[3].morphWeights = {0.25F, 0.5F};
-    const Pose pose = evaluatePose(file, nullptr, 0.7);
+    rig.nodes[2].matrix = sheared;
+    rig.nodes[2].translation = {99, 99, 99}; // a matrix speaks for itself
+    rig.nodes[3].morphWeights = {0.25F, 0.5F};
+    const Pose pose = evaluatePose(rig, nullptr, 0.7);
 
     const DMat4 root = translation({1, 2, 3}) * rotationZ(kPiD / 2);
     const DMat4 child = root * translation({0, 1, 0}) * scaling({2, 3, 4});
@@ -188,12 +188,12 @@ TEST_CASE("Nodes compose from the root down", "[animation]") {
 }
 
 TEST_CASE("Channels replace the parts of a node that they name", "[animation]") {
-    GltfFile file;
-    file.nodes = {nodeOf(kNone), nodeOf(0), nodeOf(1)};
-    file.nodes[0].scale = {2, 2, 2};
-    file.nodes[1].translation = {1, 0, 0};
-    file.nodes[1].morphWeights = {1, 0};
-    file.nodes[2].matrix = translation({0, 0, 5});
+    Rig rig;
+    rig.nodes = {nodeOf(kNone), nodeOf(0), nodeOf(1)};
+    rig.nodes[0].scale = {2, 2, 2};
+    rig.nodes[1].translation = {1, 0, 0};
+    rig.nodes[1].morphWeights = {1, 0};
+    rig.nodes[2].matrix = translation({0, 0, 5});
     Clip clip;
     clip.channels.push_back(channelOf(ChannelPath::Translation, Interpolation::Linear, {0, 2}, {0, 0, 0, 4, 0, 0}));
     clip.channels.push_back(
@@ -210,14 +210,14 @@ TEST_CASE("Channels replace the parts of a node that they name", "[animation]") 
     clip.channels.back().node = kNone;                                                           // targets nothing
     clip.channels.push_back(channelOf(ChannelPath::Translation, Interpolation::Linear, {}, {})); // no keys
 
-    const Pose pose = evaluatePose(file, &clip, 0.5);
+    const Pose pose = evaluatePose(rig, &clip, 0.5);
     const DMat4 root = translation({1, 0, 0}) * scaling({2, 2, 2});
     const DMat4 child = root * translation({1, 0, 0}) * rotationZ(0.5) * scaling({3, 1, 1});
     CHECK(maxDifference(pose.worldFromNode[0], root) < 1e-15);
     CHECK(maxDifference(pose.worldFromNode[1], child) < 1e-6); // the keys are floats
     CHECK(maxDifference(pose.worldFromNode[2], child * translation({0, 0, 5})) < 1e-5);
     CHECK(pose.morphWeights[1] == std::vector<float>{0.5F, 0.25F});
-    CHECK(evaluatePose(file, nullptr, 0.5).morphWeights[1] == std::vector<float>{1, 0});
+    CHECK(evaluatePose(rig, nullptr, 0.5).morphWeights[1] == std::vector<float>{1, 0});
 }
 
 TEST_CASE("CUBICSPLINE morph weights take as many floats a key as there are morphs", "[animation]") {
@@ -228,11 +228,11 @@ TEST_CASE("CUBICSPLINE morph weights take as many floats a key as there are morp
 }
 
 TEST_CASE("A constant scale is part of the rest pose, a moving one is not", "[animation]") {
-    GltfFile file;
-    file.nodes = {nodeOf(kNone)};
-    file.nodes[0].scale = {1, 1, 1};
-    file.nodes[0].translation = {5, 0, 0};
-    file.nodes[0].morphWeights = {0.5F};
+    Rig rig;
+    rig.nodes = {nodeOf(kNone)};
+    rig.nodes[0].scale = {1, 1, 1};
+    rig.nodes[0].translation = {5, 0, 0};
+    rig.nodes[0].morphWeights = {0.5F};
     const auto restOf = [&](const Channel &channel) {
         Clip clip;
         clip.channels.push_back(channelOf(ChannelPath::Translation, Interpolation::Step, {0}, {9, 9, 9}));
@@ -240,13 +240,13 @@ TEST_CASE("A constant scale is part of the rest pose, a moving one is not", "[an
         weights.width = 1;
         clip.channels.push_back(weights);
         clip.channels.push_back(channel);
-        const Pose pose = restPose(file, &clip);
+        const Pose pose = restPose(rig, &clip);
         CHECK(pose.morphWeights[0] == std::vector<float>{0.5F});
         return pose.worldFromNode[0];
     };
     const DMat4 stored = translation({5, 0, 0});
     const DMat4 scaled = stored * scaling({2, 3, 4});
-    CHECK(restPose(file, nullptr).worldFromNode[0] == stored);
+    CHECK(restPose(rig, nullptr).worldFromNode[0] == stored);
     CHECK(restOf(channelOf(ChannelPath::Scale, Interpolation::Linear, {1, 2}, {2, 3, 4, 2, 3, 4})) == scaled);
     CHECK(restOf(channelOf(ChannelPath::Scale, Interpolation::Step, {1}, {2, 3, 4})) == scaled);
     CHECK(restOf(channelOf(ChannelPath::Scale, Interpolation::Linear, {1, 2}, {2, 3, 4, 2, 3, 4.0000005F})) == stored);
@@ -257,7 +257,7 @@ TEST_CASE("A constant scale is part of the rest pose, a moving one is not", "[an
     CHECK(restOf(channelOf(ChannelPath::Scale, Interpolation::CubicSpline, {1, 2}, joined({zero, value, {0, 0, 1}, zero, value, zero}))) ==
           stored);
     CHECK(restOf(channelOf(ChannelPath::Rotation, Interpolation::Step, {1}, turn({0, 0, 1}, 1))) == stored);
-    file.nodes[0].matrix = stored;
+    rig.nodes[0].matrix = stored;
     CHECK(restOf(channelOf(ChannelPath::Scale, Interpolation::Step, {1}, {2, 3, 4})) == stored);
 }
 
@@ -267,18 +267,18 @@ TEST_CASE("A constant scale evaluates to itself exactly at any time", "[animatio
 }
 
 TEST_CASE("Joint matrices take the bind pose to the joint's place", "[animation]") {
-    GltfFile file;
-    file.nodes = {nodeOf(kNone), nodeOf(0)};
-    file.nodes[0].translation = {0, 1, 0};
-    file.nodes[1].translation = {0, 2, 0};
+    Rig rig;
+    rig.nodes = {nodeOf(kNone), nodeOf(0)};
+    rig.nodes[0].translation = {0, 1, 0};
+    rig.nodes[1].translation = {0, 2, 0};
     Skin skin;
     skin.joints = {1, 0};
     skin.inverseBindMatrix = {translation({0, -3, 0}), translation({0, -1, 0})};
-    for (const DMat4 &matrix : jointMatrices(skin, evaluatePose(file, nullptr, 0))) CHECK(matrix == DMat4(1));
+    for (const DMat4 &matrix : jointMatrices(skin, evaluatePose(rig, nullptr, 0))) CHECK(matrix == DMat4(1));
 
     Clip clip; // the lower joint turns about itself: what hangs on the upper one turns with it about (0, 1, 0)
     clip.channels.push_back(channelOf(ChannelPath::Rotation, Interpolation::Step, {0}, turn({0, 0, 1}, kPiD / 2)));
-    const std::vector<DMat4> turned = jointMatrices(skin, evaluatePose(file, &clip, 0));
+    const std::vector<DMat4> turned = jointMatrices(skin, evaluatePose(rig, &clip, 0));
     REQUIRE(turned.size() == 2);
     const DMat4 about = translation({0, 1, 0}) * rotationZ(kPiD / 2) * translation({0, -1, 0});
     for (const DMat4 &matrix : turned) CHECK(maxDifference(matrix, about) < 1e-6);
@@ -290,13 +290,13 @@ TEST_CASE("The InterpolationTest asset moves by each rule", "[animation][asset]"
     if (!path) return;
     Warnings warnings;
     const GltfFile file = readGltf(*path, warnings);
-    REQUIRE(file.clips.size() == 9);
+    REQUIRE(file.rig.clips.size() == 9);
     // worldFromNode of the node that the named clip moves; all of them are roots. The numbers are read off the file.
     const auto matrixAt = [&](const std::string &name, double seconds) {
-        for (const Clip &clip : file.clips)
+        for (const Clip &clip : file.rig.clips)
             if (clip.name == name) {
                 REQUIRE(clip.channels.size() == 1);
-                return evaluatePose(file, &clip, seconds).worldFromNode[clip.channels[0].node];
+                return evaluatePose(file.rig, &clip, seconds).worldFromNode[clip.channels[0].node];
             }
         FAIL("no clip " << name);
         return DMat4(1);

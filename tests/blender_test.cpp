@@ -43,13 +43,13 @@ struct Loaded {
         if (!clip.empty()) overrides.push_back("mesh.0.clip=\"" + clip + "\"");
         scene = loadScene(path, overrides, warnings);
     }
-    [[nodiscard]] const GltfFile &file() const { return *scene.objects.front().gltf->file; }
+    [[nodiscard]] const Rig &rig() const { return *scene.objects.front().rig->rig; }
 
     /// Objects of one node: its primitives, in order.
     [[nodiscard]] std::vector<const Object *> objectsOf(const std::string &node) const {
         std::vector<const Object *> found;
         for (const Object &object : scene.objects)
-            if (file().nodes[object.gltf->node].name == node) found.push_back(&object);
+            if (rig().nodes[object.rig->node].name == node) found.push_back(&object);
         return found;
     }
 
@@ -124,7 +124,7 @@ PrimitiveErrors comparePrimitive(const Loaded &loaded, const Object &ours, const
 void compareWithReference(const std::string &path) {
     const Loaded loaded(path);
     const GltfReference reference(path);
-    const double duration = static_cast<double>(loaded.file().clips.front().duration);
+    const double duration = static_cast<double>(loaded.rig().clips.front().duration);
     double largest = 0;
     double farthest = 0;
     std::size_t vertices = 0;
@@ -169,9 +169,9 @@ nlohmann::json blenderPositions(const std::string &path, const std::string &clip
 void compareWithBlender(const std::string &path, const std::string &clipName) {
     const Loaded loaded(path, clipName);
     const GltfReference reference(path);
-    const GltfMotion &motion = *loaded.scene.objects.front().gltf;
+    const RigMotion &motion = *loaded.scene.objects.front().rig;
     REQUIRE(motion.clip != kNone);
-    const std::vector<double> times = spread(keyTimes(motion.file->clips[motion.clip]), 5);
+    const std::vector<double> times = spread(keyTimes(motion.rig->clips[motion.clip]), 5);
     REQUIRE(times.size() >= 3);
     const nlohmann::json blender = blenderPositions(path, clipName, times);
     const std::vector<int> nodes = reference.meshNodes();

@@ -1,8 +1,8 @@
 /// What charts measure by: errors on limit surfaces, differences of images, plans that do the same.
 
-#include "chart/limit_error.h"
-#include "chart/plan_scenes.h"
-#include "chart/render_image.h"
+#include "study/limit_error.h"
+#include "study/plan_scenes.h"
+#include "study/render_image.h"
 
 #include <catch2/catch.hpp>
 

@@ -1,13 +1,13 @@
 /// What `taut chart` does with its numbers, whatever they are: the front, the check of defaults, rankings, CSV, plots and the page. Nothing
 /// here depends on a time that was measured.
 
-#include "chart/charts.h"
-#include "chart/csv.h"
-#include "chart/front.h"
-#include "chart/plot_labels.h"
-#include "chart/plot_scale.h"
-#include "chart/report.h"
-#include "chart/timing.h"
+#include "study/charts.h"
+#include "study/csv.h"
+#include "study/front.h"
+#include "study/plot_labels.h"
+#include "study/plot_scale.h"
+#include "study/report.h"
+#include "study/timing.h"
 #include "command.h"
 
 #include "taut/base/error.h"

@@ -1,6 +1,6 @@
 /// What the benchmark makes of errors, against closed forms.
 
-#include "chart/equal_error.h"
+#include "study/equal_error.h"
 
 #include <catch2/catch.hpp>
 

@@ -4,9 +4,9 @@
 #include "assets.h"
 #include "command.h"
 
-#include "taut/mesh/point_cache.h"
-#include "taut/mesh/read_mesh.h"
-#include "taut/scene/gloss_export.h"
+#include "taut/formats/point_cache.h"
+#include "taut/formats/read_mesh.h"
+#include "taut/export/gloss_export.h"
 #include "taut/scene/load_scene.h"
 
 #include <nlohmann/json.hpp>

@@ -2,7 +2,7 @@
 
 #include "mesh_samples.h"
 
-#include "taut/mesh/gltf.h"
+#include "taut/formats/gltf.h"
 
 using namespace taut;
 using namespace taut::test;
@@ -68,10 +68,10 @@ TEST_CASE("glTF: the mesh of a .glb and of a .gltf with a data: URI", "[mesh][gl
 
 TEST_CASE("glTF: nodes with parents first, the default scene, skins", "[mesh][gltf]") {
     const GltfFile file = read("nodes.glb", gltfSample().glb(), 3);
-    REQUIRE(file.nodes.size() == 5);
+    REQUIRE(file.rig.nodes.size() == 5);
     const auto find = [&](const std::string &name) {
-        for (std::size_t n = 0; n < file.nodes.size(); ++n)
-            if (file.nodes[n].name == name) return static_cast<Index>(n);
+        for (std::size_t n = 0; n < file.rig.nodes.size(); ++n)
+            if (file.rig.nodes[n].name == name) return static_cast<Index>(n);
         return kNone;
     };
     const Index tip = find("tip");
@@ -80,42 +80,42 @@ TEST_CASE("glTF: nodes with parents first, the default scene, skins", "[mesh][gl
     const Index camera = find("node3");
     const Index lamp = find("lamp");
     for (const Index n : {tip, root, body, camera, lamp}) REQUIRE(n != kNone);
-    for (std::size_t n = 0; n < file.nodes.size(); ++n)
-        if (file.nodes[n].parent != kNone) CHECK(file.nodes[n].parent < n);
-    CHECK(file.nodes[tip].parent == root);
-    CHECK(file.nodes[body].parent == root);
-    CHECK(file.nodes[root].parent == kNone);
-    CHECK(file.nodes[tip].translation == DVec3(0, 2, 0));
-    CHECK(file.nodes[root].rotation.z == 1); // of length 2 in the file
-    CHECK(file.nodes[root].rotation.w == 0);
-    CHECK(file.nodes[root].scale == DVec3(1, 2, 3));
-    REQUIRE(file.nodes[camera].matrix);
-    CHECK((*file.nodes[camera].matrix)[3] == glm::dvec4(5, 6, 7, 1));
-    CHECK_FALSE(file.nodes[root].matrix);
-    CHECK(file.nodes[camera].camera == 0);
-    CHECK(file.nodes[lamp].light == 0);
-    CHECK(file.nodes[body].meshes == std::vector<Index>{0});
-    CHECK(file.nodes[body].skin == 0);
-    CHECK(file.nodes[body].morphWeights == std::vector<float>{0.25F, 0.5F});
+    for (std::size_t n = 0; n < file.rig.nodes.size(); ++n)
+        if (file.rig.nodes[n].parent != kNone) CHECK(file.rig.nodes[n].parent < n);
+    CHECK(file.rig.nodes[tip].parent == root);
+    CHECK(file.rig.nodes[body].parent == root);
+    CHECK(file.rig.nodes[root].parent == kNone);
+    CHECK(file.rig.nodes[tip].translation == DVec3(0, 2, 0));
+    CHECK(file.rig.nodes[root].rotation.z == 1); // of length 2 in the file
+    CHECK(file.rig.nodes[root].rotation.w == 0);
+    CHECK(file.rig.nodes[root].scale == DVec3(1, 2, 3));
+    REQUIRE(file.rig.nodes[camera].matrix);
+    CHECK((*file.rig.nodes[camera].matrix)[3] == glm::dvec4(5, 6, 7, 1));
+    CHECK_FALSE(file.rig.nodes[root].matrix);
+    CHECK(file.attached[camera].camera == 0);
+    CHECK(file.attached[lamp].light == 0);
+    CHECK(file.attached[body].meshes == std::vector<Index>{0});
+    CHECK(file.rig.nodes[body].skin == 0);
+    CHECK(file.rig.nodes[body].morphWeights == std::vector<float>{0.25F, 0.5F});
     std::vector<Index> shown{tip, root, body, camera};
     std::sort(shown.begin(), shown.end());
     CHECK(file.sceneNodes == shown);
-    REQUIRE(file.skins.size() == 1);
-    CHECK(file.skins[0].name == "skin0");
-    CHECK(file.skins[0].joints == std::vector<Index>{root, tip});
-    CHECK(file.skins[0].inverseBindMatrix[0] == DMat4(1));
-    CHECK(file.skins[0].inverseBindMatrix[1][3] == glm::dvec4(0, -2, 0, 1));
+    REQUIRE(file.rig.skins.size() == 1);
+    CHECK(file.rig.skins[0].name == "skin0");
+    CHECK(file.rig.skins[0].joints == std::vector<Index>{root, tip});
+    CHECK(file.rig.skins[0].inverseBindMatrix[0] == DMat4(1));
+    CHECK(file.rig.skins[0].inverseBindMatrix[1][3] == glm::dvec4(0, -2, 0, 1));
 }
 
 TEST_CASE("glTF: clips with all three interpolations and normalised keys", "[mesh][gltf]") {
     const GltfFile file = read("clips.glb", gltfSample().glb(), 3);
-    REQUIRE(file.clips.size() == 1);
-    const Clip &clip = file.clips[0];
+    REQUIRE(file.rig.clips.size() == 1);
+    const Clip &clip = file.rig.clips[0];
     CHECK(clip.name == "clip0");
     CHECK(clip.duration == 2);
     REQUIRE(clip.channels.size() == 3);
     const Channel &turn = clip.channels[0];
-    CHECK(file.nodes[turn.node].name == "tip");
+    CHECK(file.rig.nodes[turn.node].name == "tip");
     CHECK(turn.path == ChannelPath::Rotation);
     CHECK(turn.interpolation == Interpolation::Linear);
     CHECK(turn.width == 4);
@@ -127,7 +127,7 @@ TEST_CASE("glTF: clips with all three interpolations and normalised keys", "[mes
     CHECK(morph.width == 2);
     CHECK(morph.values == std::vector<float>{0, 0, 1, 0.5F, 0.25F, 0.125F});
     const Channel &move = clip.channels[2];
-    CHECK(file.nodes[move.node].name == "root");
+    CHECK(file.rig.nodes[move.node].name == "root");
     CHECK(move.path == ChannelPath::Translation);
     CHECK(move.interpolation == Interpolation::CubicSpline);
     CHECK(move.width == 3);
@@ -196,8 +196,8 @@ TEST_CASE("glTF: several primitives, points left out, names for what has none", 
     REQUIRE(file.meshes.size() == 2);
     CHECK(file.meshes[0].name == "mesh0.0");
     CHECK(file.meshes[1].name == "mesh0.2");
-    CHECK(file.nodes.at(0).meshes == std::vector<Index>{0, 1});
-    CHECK(file.nodes.at(0).name == "node0");
+    CHECK(file.attached.at(0).meshes == std::vector<Index>{0, 1});
+    CHECK(file.rig.nodes.at(0).name == "node0");
     CHECK(file.sceneNodes == std::vector<Index>{0}); // no scene: everything
     CHECK(file.meshMaterials == std::vector<Index>{kNone, kNone});
     REQUIRE(warnings.lines.size() == 1);
@@ -302,17 +302,17 @@ TEST_CASE("Real glTF files have the counts that their list states", "[mesh][gltf
             tangent |= !mesh.cornerTangents.empty();
         }
         float duration = 0;
-        for (const Clip &clip : file.clips) {
+        for (const Clip &clip : file.rig.clips) {
             duration = std::max(duration, clip.duration);
             for (const Channel &channel : clip.channels) keys += channel.times.size();
         }
         CHECK(positions == counts.positions);
         CHECK(triangles == counts.triangles);
         CHECK(file.meshes.size() == counts.primitives);
-        CHECK(file.skins.size() == counts.skins);
-        CHECK((file.skins.empty() ? 0 : file.skins[0].joints.size()) == counts.joints);
+        CHECK(file.rig.skins.size() == counts.skins);
+        CHECK((file.rig.skins.empty() ? 0 : file.rig.skins[0].joints.size()) == counts.joints);
         CHECK(morphs == counts.morphs);
-        CHECK(file.clips.size() == counts.clips);
+        CHECK(file.rig.clips.size() == counts.clips);
         CHECK(keys == counts.keys);
         CHECK(duration == Approx(counts.duration).margin(0.006));
         CHECK(uv == counts.uv);

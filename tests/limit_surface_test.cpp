@@ -4,7 +4,7 @@
 #include "mesh_fixtures.h"
 
 #include "taut/deform/surface_motion.h"
-#include "taut/mesh/read_mesh.h"
+#include "taut/formats/read_mesh.h"
 #include "taut/mesh/weld.h"
 
 #include <array>

@@ -4,8 +4,8 @@
 #include "assets.h"
 
 #include "taut/base/error.h"
-#include "taut/mesh/gltf.h"
-#include "taut/mesh/read_mesh.h"
+#include "taut/formats/gltf.h"
+#include "taut/formats/read_mesh.h"
 
 #include <nlohmann/json.hpp>
 

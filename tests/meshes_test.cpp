@@ -3,7 +3,7 @@
 #include "assets.h"
 #include "mesh_fixtures.h"
 
-#include "taut/mesh/read_mesh.h"
+#include "taut/formats/read_mesh.h"
 
 #include <cstdlib>
 #include <fstream>

@@ -2,7 +2,7 @@
 
 #include "command.h"
 
-#include "taut/deform/micro_geometry.h"
+#include "study/micro_geometry.h"
 #include "taut/render/image_file.h"
 
 using namespace taut;

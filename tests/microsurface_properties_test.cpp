@@ -4,7 +4,7 @@
 #include "random_transforms.h"
 
 #include "taut/microsurface/packed_transform.h"
-#include "taut/microsurface/precision.h"
+#include "study/precision.h"
 
 #include <catch2/catch.hpp>
 

@@ -4,7 +4,7 @@
 
 #include "taut/base/parallel.h"
 #include "taut/base/sobol.h"
-#include "taut/microsurface/normal_samplers.h"
+#include "study/normal_samplers.h"
 
 #include <catch2/catch.hpp>
 

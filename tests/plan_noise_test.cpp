@@ -1,6 +1,6 @@
 /// Light of several facets against its own noise: what a plan predicts, and what renders find.
 
-#include "chart/render_image.h"
+#include "study/render_image.h"
 #include "render_fixtures.h"
 
 #include "taut/plan/light_coverage.h"

@@ -1,6 +1,6 @@
 /// Plans: what they choose, and that the image is as close to the full model as they say.
 
-#include "chart/plan_scenes.h"
+#include "study/plan_scenes.h"
 #include "render_fixtures.h"
 
 #include <catch2/catch.hpp>

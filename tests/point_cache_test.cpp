@@ -4,7 +4,7 @@
 #include "command.h"
 
 #include "taut/base/error.h"
-#include "taut/mesh/point_cache.h"
+#include "taut/formats/point_cache.h"
 
 #include <cstring>
 

@@ -2,8 +2,8 @@
 
 #include "mesh_samples.h"
 
-#include "taut/mesh/read_mesh.h"
-#include "taut/mesh/write_mesh.h"
+#include "taut/formats/read_mesh.h"
+#include "taut/formats/write_mesh.h"
 
 #include <iostream>
 #include <sstream>

@@ -3,7 +3,7 @@
 #include "assets.h"
 #include "render_fixtures.h"
 
-#include "taut/mesh/write_mesh.h"
+#include "taut/formats/write_mesh.h"
 #include "taut/scene/load_scene.h"
 
 #include <catch2/catch.hpp>

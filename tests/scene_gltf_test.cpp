@@ -13,8 +13,8 @@ TEST_CASE("a glTF file is a scene", "[scene][gltf]") {
     REQUIRE(scene.objects.size() == 1);
     const Object &body = scene.objects[0];
     CHECK(body.name == "figure/body");
-    REQUIRE(body.gltf);
-    CHECK(body.gltf->clip == 0);
+    REQUIRE(body.rig);
+    CHECK(body.rig->clip == 0);
     const Material &paint = scene.materials.at(body.materials.at(0));
     CHECK(paint.name == "paint");
     CHECK(paint.type == MaterialType::MetallicRoughness);
@@ -30,7 +30,7 @@ TEST_CASE("a glTF file is a scene", "[scene][gltf]") {
     CHECK(close(-DVec3(camera.worldFromCamera[2]), DVec3(0, 1, 0)));
     CHECK(scene.environment);
     // Its camera gives way to one in the scene; single settings do not displace it.
-    CHECK(!loadScene(folder + "/figure.glb", {"camera.position=[1,2,3]"}, warnings).camera.gltf);
+    CHECK(!loadScene(folder + "/figure.glb", {"camera.position=[1,2,3]"}, warnings).camera.rig);
     CHECK(loadScene(folder + "/figure.glb", {"camera.fov_deg=20"}, warnings).camera.fovY.first() == Approx(radians(20)));
     CHECK(loadScene(folder + "/figure.glb", {"mesh.0.clip=none"}, warnings).objects.at(0).gltf->clip == kNone);
     CHECK(loadScene(folder + "/figure.glb", {"mesh.0.clip=rise", "mesh.0.loop=true"}, warnings).objects.at(0).gltf->loop);
@@ -140,7 +140,7 @@ TEST_CASE("real glTF files are scenes", "[scene][gltf]") {
             CHECK(names.insert(object.name).second);
             for (const Index material : object.materials) CHECK(material < scene.materials.size());
         }
-        if (!scene.camera.gltf) CHECK(fillOfView(scene) < 1);
-        if (!scene.camera.gltf) CHECK(fillOfView(scene) > 0.3);
+        if (!scene.camera.rig) CHECK(fillOfView(scene) < 1);
+        if (!scene.camera.rig) CHECK(fillOfView(scene) > 0.3);
     }
 }

@@ -1,5 +1,7 @@
 #include "scene_fixtures.h"
 
+#include "taut/base/frame_set.h"
+
 using namespace taut;
 using namespace taut::test;
 
@@ -59,16 +61,17 @@ TEST_CASE("a numbered sequence", "[scene]") {
     const std::string folder = sceneFolder("scene");
     const Scene scene = loadText(folder, "[[mesh]]\nfile = \"cloth.####.obj\"\n");
     const Object &object = scene.objects.at(0);
-    REQUIRE(object.sequence);
+    REQUIRE(object.points);
     CHECK(object.name == "cloth");
-    CHECK(object.sequence->frames == std::vector<int>{1, 2, 5});
-    CHECK(object.sequence->firstFrame == 1);
     CHECK(object.mesh->positions.at(0).z == 1);
-    CHECK(worldPositions(scene, object, 3.5).at(0).z == Approx(3.5));
+    // Frames 1, 2 and 5 are there: z is the number of the frame.
+    for (const double frame : {-3.0, 1.0, 2.0, 3.5, 5.0, 9.0})
+        CHECK(worldPositions(scene, object, frame).at(0).z == Approx(glm::clamp(frame, 1.0, 5.0)));
     if (const auto real = asset("seq/kick_obj/kick.0000.obj")) {
         const std::string pattern = real->substr(0, real->size() - 8) + "####.obj";
         const Scene kick = loadText(folder, "[[mesh]]\nfile = \"" + pattern + "\"\n");
-        CHECK(kick.objects.at(0).sequence->frames == std::vector<int>{0, 3, 6, 9, 12});
+        CHECK(framesOnDisk(pattern) == std::vector<int>{0, 3, 6, 9, 12});
+        CHECK(kick.objects.at(0).points);
         CHECK(kick.objects[0].name == "kick");
     }
 }

@@ -1,7 +1,7 @@
 /// docs/stability.md holds what it says: its values, that it names every region in which a published form fails in float, and that the
 /// forms that render are right there.
 
-#include "chart/stability.h"
+#include "study/stability.h"
 #include "command.h"
 
 #include "taut/base/error.h"

@@ -4,8 +4,8 @@
 #include "command.h"
 #include "render_fixtures.h"
 
-#include "taut/mesh/read_mesh.h"
-#include "taut/scene/gloss_export.h"
+#include "taut/formats/read_mesh.h"
+#include "taut/export/gloss_export.h"
 #include "taut/scene/load_scene.h"
 
 using namespace taut;

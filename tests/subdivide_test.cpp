@@ -1,7 +1,7 @@
 #include "assets.h"
 #include "mesh_fixtures.h"
 
-#include "taut/mesh/read_mesh.h"
+#include "taut/formats/read_mesh.h"
 #include "taut/mesh/subdivide.h"
 
 #include <algorithm>

@@ -4,8 +4,8 @@
 #include "render_fixtures.h"
 
 #include "taut/base/sobol.h"
-#include "taut/mesh/point_cache.h"
-#include "taut/mesh/write_mesh.h"
+#include "taut/formats/point_cache.h"
+#include "taut/formats/write_mesh.h"
 #include "taut/scene/load_scene.h"
 
 #include <catch2/catch.hpp>

@@ -1,8 +1,8 @@
 #include "bench_chart.h"
 
-#include "chart/csv.h"
-#include "chart/plots.h"
-#include "chart/report.h"
+#include "study/csv.h"
+#include "study/plots.h"
+#include "study/report.h"
 
 #include "taut/base/error.h"
 #include "taut/render/image_file.h"

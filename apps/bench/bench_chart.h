@@ -1,7 +1,7 @@
 #pragma once
 /// The benchmark's ratios as a chart.
 
-#include "chart/chart.h"
+#include "study/chart.h"
 
 #include <nlohmann/json.hpp>
 

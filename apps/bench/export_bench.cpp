@@ -6,10 +6,10 @@
 /// deleted as they are done. The .usda is given a hundredth of the vertices: it is text and holds every frame.
 
 #include "taut/base/stopwatch.h"
-#include "taut/mesh/point_cache.h"
-#include "taut/mesh/usda_writer.h"
-#include "taut/mesh/write_gloss.h"
-#include "taut/scene/gloss_export.h"
+#include "taut/formats/point_cache.h"
+#include "taut/export/usda_writer.h"
+#include "taut/export/write_gloss.h"
+#include "taut/export/gloss_export.h"
 
 #include <sys/resource.h>
 #include <sys/wait.h>

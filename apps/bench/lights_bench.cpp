@@ -2,8 +2,8 @@
 /// emitters of the same light together, and by a large mesh that glows close to the ground. Error: relative mean square, of two
 /// seeds (chart/equal_error.h) over the square of the mean. Compare two versions by the last column, error x seconds.
 
-#include "chart/equal_error.h"
-#include "chart/render_image.h"
+#include "study/equal_error.h"
+#include "study/render_image.h"
 
 #include "taut/base/sobol.h"
 #include "taut/mesh/shapes.h"

@@ -3,8 +3,8 @@
 /// plots.
 
 #include "bench_chart.h"
-#include "chart/cycles_peer.h"
-#include "chart/plots.h"
+#include "study/cycles_peer.h"
+#include "study/plots.h"
 #include "measure.h"
 
 #include "taut/base/error.h"

@@ -1,13 +1,13 @@
 #include "measure.h"
 
-#include "chart/cycles_peer.h"
-#include "chart/equal_error.h"
+#include "study/cycles_peer.h"
+#include "study/equal_error.h"
 
 #include "taut/base/error.h"
 #include "taut/render/image_file.h"
 #include "taut/render/memory_use.h"
 #include "taut/render/render_frame.h"
-#include "taut/render/replay.h"
+#include "study/replay.h"
 
 #include <tbb/global_control.h>
 

@@ -4,7 +4,7 @@
 /// machine slows all; printed are the median over the rounds and its distance to the lower and upper quartile.
 
 #include "taut/base/sobol.h"
-#include "taut/microsurface/batch.h"
+#include "study/batch.h"
 #include "taut/microsurface/ggx.h"
 
 #include <algorithm>

@@ -2,10 +2,10 @@
 /// errors per quantity and band of alpha, where the published forms fail, and the error of M packed in halves; then the table of
 /// docs/stability.md.
 
-#include "chart/stability.h"
+#include "study/stability.h"
 
 #include "taut/microsurface/packed_transform.h"
-#include "taut/microsurface/precision.h"
+#include "study/precision.h"
 
 #include <cstdio>
 

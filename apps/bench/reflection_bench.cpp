@@ -4,7 +4,7 @@
 /// prepares anew ("hit") and where one preparation serves many ("many"); variance of one sample's weight, cone / bounded caps,
 /// rejected samples counted as zeros.
 
-#include "chart/reflection_tally.h"
+#include "study/reflection_tally.h"
 
 #include <cstdio>
 

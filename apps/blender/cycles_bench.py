@@ -2,7 +2,7 @@
 
     blender -b -noaudio --factory-startup --python-exit-code 1 --python cycles_bench.py -- SCENE.json
 
-SCENE.json and the binary meshes beside it are written by them (apps/chart/cycles_peer.cpp says what is in them). Requests
+SCENE.json and the binary meshes beside it are written by them (apps/study/cycles_peer.cpp says what is in them). Requests
 come on standard input, one JSON object a line: {"frame", "spp", "seed", "width", "height", "output"}; frame counts from 0, an empty
 output saves nothing. Each is answered by one line "CYCLES {json}": seconds of the render call, and the peak memory in MB.
 

@@ -2,10 +2,10 @@
 
 #include "commands.h"
 
-#include "chart/charts.h"
-#include "chart/csv.h"
-#include "chart/front.h"
-#include "chart/report.h"
+#include "study/charts.h"
+#include "study/csv.h"
+#include "study/front.h"
+#include "study/report.h"
 
 #include "taut/base/stopwatch.h"
 

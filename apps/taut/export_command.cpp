@@ -6,10 +6,10 @@
 
 #include "taut/base/frame_set.h"
 #include "taut/base/stopwatch.h"
-#include "taut/mesh/point_cache.h"
-#include "taut/mesh/usda_writer.h"
-#include "taut/mesh/write_gloss.h"
-#include "taut/scene/gloss_export.h"
+#include "taut/formats/point_cache.h"
+#include "taut/export/usda_writer.h"
+#include "taut/export/write_gloss.h"
+#include "taut/export/gloss_export.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

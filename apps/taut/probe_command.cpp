@@ -6,7 +6,7 @@
 #include "taut/base/parallel.h"
 #include "taut/base/sobol.h"
 #include "taut/bsdf/bsdf.h"
-#include "taut/deform/micro_geometry.h"
+#include "study/micro_geometry.h"
 #include "taut/render/image_file.h"
 
 #include <fmt/format.h>

@@ -2,7 +2,7 @@
 /// only), a mesh reader and a deformer (compiled). Prints one line and returns 0 where all is right.
 
 #include <taut/deform/deformer.h>
-#include <taut/mesh/read_mesh.h>
+#include <taut/formats/read_mesh.h>
 #include <taut/microsurface/ggx.h>
 
 #include <cmath>

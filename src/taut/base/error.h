@@ -47,6 +47,9 @@ inline std::string quoted(const std::string &text) {
     return quoted(std::string_view(text));
 }
 
+/// A number as people write it: 0.5, 10, 1e-4.
+std::string formatNumber(double value);
+
 /// Things a loader wants to say without failing. Each is true, says what was done about it, and is said once.
 struct Warnings {
     std::vector<std::string> lines;

@@ -96,23 +96,23 @@ struct LocalPose {
     std::vector<std::vector<float>> morphWeights; ///< [nodes]
 };
 
-LocalPose storedPose(const GltfFile &file) {
+LocalPose storedPose(const Rig &rig) {
     LocalPose pose;
-    pose.transforms.reserve(file.nodes.size());
-    pose.morphWeights.reserve(file.nodes.size());
-    for (const Node &node : file.nodes) {
+    pose.transforms.reserve(rig.nodes.size());
+    pose.morphWeights.reserve(rig.nodes.size());
+    for (const Node &node : rig.nodes) {
         pose.transforms.push_back({node.translation, unitOf(node.rotation), node.scale});
         pose.morphWeights.push_back(node.morphWeights);
     }
     return pose;
 }
 
-Pose composed(const GltfFile &file, LocalPose &&local) {
+Pose composed(const Rig &rig, LocalPose &&local) {
     Pose pose;
     pose.morphWeights = std::move(local.morphWeights);
-    pose.worldFromNode.reserve(file.nodes.size());
-    for (std::size_t i = 0; i < file.nodes.size(); ++i) {
-        const Node &node = file.nodes[i];
+    pose.worldFromNode.reserve(rig.nodes.size());
+    for (std::size_t i = 0; i < rig.nodes.size(); ++i) {
+        const Node &node = rig.nodes[i];
         const DMat4 parentFromNode = node.matrix ? *node.matrix : matrixOf(local.transforms[i]);
         pose.worldFromNode.push_back(node.parent == kNone ? parentFromNode : pose.worldFromNode[node.parent] * parentFromNode);
     }
@@ -120,8 +120,8 @@ Pose composed(const GltfFile &file, LocalPose &&local) {
 }
 
 /// A channel that moves nothing: without a target or without keys.
-bool isIdle(const GltfFile &file, const Channel &channel) {
-    return channel.node >= file.nodes.size() || channel.times.empty();
+bool isIdle(const Rig &rig, const Channel &channel) {
+    return channel.node >= rig.nodes.size() || channel.times.empty();
 }
 
 void applyChannel(const Channel &channel, double seconds, LocalPose &pose) {
@@ -164,20 +164,20 @@ std::vector<float> evaluateChannel(const Channel &channel, double seconds) {
     return values;
 }
 
-Pose evaluatePose(const GltfFile &file, const Clip *clip, double seconds) {
-    LocalPose pose = storedPose(file);
+Pose evaluatePose(const Rig &rig, const Clip *clip, double seconds) {
+    LocalPose pose = storedPose(rig);
     if (clip != nullptr)
         for (const Channel &channel : clip->channels)
-            if (!isIdle(file, channel)) applyChannel(channel, seconds, pose);
-    return composed(file, std::move(pose));
+            if (!isIdle(rig, channel)) applyChannel(channel, seconds, pose);
+    return composed(rig, std::move(pose));
 }
 
-Pose restPose(const GltfFile &file, const Clip *clip) {
-    LocalPose pose = storedPose(file);
+Pose restPose(const Rig &rig, const Clip *clip) {
+    LocalPose pose = storedPose(rig);
     if (clip != nullptr)
         for (const Channel &channel : clip->channels)
-            if (channel.path == ChannelPath::Scale && !isIdle(file, channel) && hasEqualKeys(channel)) applyChannel(channel, 0, pose);
-    return composed(file, std::move(pose));
+            if (channel.path == ChannelPath::Scale && !isIdle(rig, channel) && hasEqualKeys(channel)) applyChannel(channel, 0, pose);
+    return composed(rig, std::move(pose));
 }
 
 std::vector<DMat4> jointMatrices(const Skin &skin, const Pose &pose) {

@@ -36,7 +36,7 @@ Vec3 vectorToRender(const DMat4 &renderFromWorld, const DVec3 &v) {
 /// Whether an object may be somewhere else at another time.
 bool moves(const Object &object) {
     const Placement &p = object.placement;
-    return object.gltf || object.sequence || object.cache || !object.deformers.empty() || !p.translation.isConstant() ||
+    return object.rig || object.points || !object.deformers.empty() || !p.translation.isConstant() ||
            !p.rotation.isConstant() || !p.scale.isConstant();
 }
 

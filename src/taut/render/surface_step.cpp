@@ -221,7 +221,7 @@ void prepareRenderObject(const Object &object, const RenderSettings &render, con
     }
     if (!out.rigid) {
         // Gradients that are carried along start from a fit only where control points move by themselves.
-        const bool controlMoves = object.sequence || object.cache || !object.mesh->morphs.empty();
+        const bool controlMoves = object.points || !object.mesh->morphs.empty();
         compact(out.surface, controlMoves || out.subdivision || out.plan.estimator != GradientEstimator::Analytic);
         return;
     }

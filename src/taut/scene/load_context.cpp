@@ -1,6 +1,6 @@
 #include "taut/scene/load_context.h"
 
-#include "taut/mesh/read_mesh.h"
+#include "taut/formats/read_mesh.h"
 
 #include <filesystem>
 #include <fstream>

@@ -1,7 +1,7 @@
 #pragma once
 /// What the parts of the scene loader share: the scene being built, and what has already been read. Internal to `scene/`.
 
-#include "taut/mesh/gltf.h"
+#include "taut/formats/gltf.h"
 #include "taut/scene/scene.h"
 #include "taut/scene/table_reader.h"
 
@@ -78,12 +78,13 @@ Placement loadPlacement(TableReader &table, bool yUpByDefault);
 
 // --- glTF ------------------------------------------------------------------------------------------------------------
 /// Motion of a node: `clip` and `loop` of the table; the clip defaults to the file's first.
-GltfMotion loadGltfMotion(TableReader &table, std::shared_ptr<const GltfFile> file);
+RigMotion loadGltfMotion(TableReader &table, const std::shared_ptr<const GltfFile> &file);
 /// Objects of every (node, primitive) of the file's scene, copies of `common` with their own name, mesh, materials and
 /// emission. `material` (may be null) is the entry's key. Throws at `where` where the file's scene holds no mesh.
-void addGltfObjects(LoadContext &context, const Object &common, const GltfMotion &motion, const TomlValue *material, const Location &where);
+void addGltfObjects(LoadContext &context, const Object &common, const std::shared_ptr<const GltfFile> &file, const RigMotion &motion,
+                    const TomlValue *material, const Location &where);
 /// KHR_lights_punctual lights where they are at the first frame.
-void addGltfLights(LoadContext &context, const GltfMotion &motion, const Placement &placement);
+void addGltfLights(LoadContext &context, const GltfFile &file, const RigMotion &motion, const Placement &placement);
 /// The first perspective camera node of the file's scene; kNone where there is none.
 Index firstCameraNode(const GltfFile &file);
 

@@ -80,14 +80,10 @@ void checkMaterialTable(const GltfFile &file, const TomlValue *material) {
     }
 }
 
-const Clip *clipOf(const GltfMotion &motion) {
-    return motion.clip == kNone ? nullptr : &motion.file->clips[motion.clip];
-}
-
-bool isAnimated(const GltfMotion &motion, Index node) {
+bool isAnimated(const RigMotion &motion, Index node) {
     const Clip *clip = clipOf(motion);
     if (clip == nullptr) return false;
-    for (Index n = node; n != kNone; n = motion.file->nodes[n].parent)
+    for (Index n = node; n != kNone; n = motion.rig->nodes[n].parent)
         for (const Channel &channel : clip->channels)
             if (channel.node == n) return true;
     return false;
@@ -108,49 +104,50 @@ Light toLight(const GltfLight &from, const DMat4 &worldFromNode) {
 }
 
 Index toClip(const TomlValue &value, const GltfFile &file) {
-    if (value.kind == TomlValue::Kind::Integer && !file.clips.empty())
-        return static_cast<Index>(toInteger(value, 0, static_cast<std::int64_t>(file.clips.size()) - 1));
+    const std::vector<Clip> &clips = file.rig.clips;
+    if (value.kind == TomlValue::Kind::Integer && !clips.empty())
+        return static_cast<Index>(toInteger(value, 0, static_cast<std::int64_t>(clips.size()) - 1));
     if (toText(value) == "none") return kNone;
     std::vector<std::string_view> names{"none"};
-    for (Index i = 0; i < file.clips.size(); ++i) {
-        if (file.clips[i].name == value.text) return i;
-        names.push_back(file.clips[i].name);
+    for (Index i = 0; i < clips.size(); ++i) {
+        if (clips[i].name == value.text) return i;
+        names.push_back(clips[i].name);
     }
     failUnknownName(value.where, value.text, names);
 }
 
 } // namespace
 
-GltfMotion loadGltfMotion(TableReader &table, std::shared_ptr<const GltfFile> file) {
-    GltfMotion motion;
-    motion.clip = file->clips.empty() ? kNone : 0;
+RigMotion loadGltfMotion(TableReader &table, const std::shared_ptr<const GltfFile> &file) {
+    RigMotion motion;
+    motion.clip = file->rig.clips.empty() ? kNone : 0;
     table.read("clip", motion.clip, [&](const TomlValue &value) { return toClip(value, *file); });
     table.read("loop", motion.loop);
-    motion.file = std::move(file);
+    motion.rig = {file, &file->rig}; // keeps the file alive
     return motion;
 }
 
 Index firstCameraNode(const GltfFile &file) {
     for (const Index node : file.sceneNodes)
-        if (file.nodes[node].camera != kNone && file.cameras[file.nodes[node].camera].perspective) return node;
+        if (const Index camera = file.attached[node].camera; camera != kNone && file.cameras[camera].perspective) return node;
     return kNone;
 }
 
-void addGltfObjects(LoadContext &context, const Object &common, const GltfMotion &motion, const TomlValue *material,
-                    const Location &where) {
-    const GltfFile &file = *motion.file;
+void addGltfObjects(LoadContext &context, const Object &common, const std::shared_ptr<const GltfFile> &shared, const RigMotion &motion,
+                    const TomlValue *material, const Location &where) {
+    const GltfFile &file = *shared;
     checkMaterialTable(file, material);
     const std::string entryName = uniqueName(context.objectNames, common.name);
     const std::size_t before = context.scene.objects.size();
     for (const Index nodeIndex : file.sceneNodes) {
-        const Node &node = file.nodes[nodeIndex];
+        const Node &node = file.rig.nodes[nodeIndex];
         const std::string nodeName = node.name.empty() ? "node" + std::to_string(nodeIndex) : node.name;
-        for (const Index meshIndex : node.meshes) {
+        for (const Index meshIndex : file.attached[nodeIndex].meshes) {
             Object object = common;
             object.name = uniqueName(context.objectNames, entryName + "/" + nodeName);
-            object.mesh = {motion.file, &file.meshes[meshIndex]}; // keeps the file alive
-            object.gltf = motion;
-            object.gltf->node = nodeIndex;
+            object.mesh = {shared, &file.meshes[meshIndex]}; // keeps the file alive
+            object.rig = motion;
+            object.rig->node = nodeIndex;
             const Index own = file.meshMaterials[meshIndex];
             object.materials.assign(std::max<std::size_t>(1, object.mesh->materialNames.size()),
                                     chosenMaterial(context, file, own, material));
@@ -167,13 +164,12 @@ void addGltfObjects(LoadContext &context, const Object &common, const GltfMotion
     if (context.scene.objects.size() == before) failInput(where, "no triangles in " + file.path, "a scene with a mesh");
 }
 
-void addGltfLights(LoadContext &context, const GltfMotion &motion, const Placement &placement) {
-    const GltfFile &file = *motion.file;
+void addGltfLights(LoadContext &context, const GltfFile &file, const RigMotion &motion, const Placement &placement) {
     const double frame = firstFrame(context.scene);
-    const Pose pose = evaluatePose(file, clipOf(motion), clipTime(motion, frame, context.scene.render.fps));
+    const Pose pose = evaluatePose(file.rig, clipOf(motion), clipTime(motion, frame, context.scene.render.fps));
     const DMat4 worldFromFile = placementAt(placement, frame);
     for (const Index node : file.sceneNodes) {
-        const Index light = file.nodes[node].light;
+        const Index light = file.attached[node].light;
         if (light == kNone) continue;
         context.scene.lights.push_back(toLight(file.lights[light], worldFromFile * pose.worldFromNode[node]));
         if (isAnimated(motion, node))

@@ -1,8 +1,9 @@
 /// [[mesh]] entries: single meshes, numbered sequences and glTF files.
 
 #include "taut/base/frame_set.h"
-#include "taut/mesh/point_cache.h"
-#include "taut/mesh/read_mesh.h"
+#include "taut/formats/point_cache.h"
+#include "taut/formats/point_files.h"
+#include "taut/formats/read_mesh.h"
 #include "taut/scene/load_context.h"
 
 #include <algorithm>
@@ -119,23 +120,23 @@ void loadSurfaceModel(TableReader &table, Object &object) {
 }
 
 void addGltf(LoadContext &context, TableReader &table, const TomlValue &file, Object common) {
-    const GltfMotion motion = loadGltfMotion(table, gltfFile(context, filePath(context, file)));
+    const std::shared_ptr<const GltfFile> gltf = gltfFile(context, filePath(context, file));
+    const RigMotion motion = loadGltfMotion(table, gltf);
     const TomlValue *material = table.find("material");
     bool lights = true;
     table.read("lights", lights);
     table.finish();
-    if (lights) addGltfLights(context, motion, common.placement);
-    addGltfObjects(context, common, motion, material, file.where);
+    if (lights) addGltfLights(context, *gltf, motion, common.placement);
+    addGltfObjects(context, common, gltf, motion, material, file.where);
 }
 
 /// A point cache that fits the mesh.
-CacheMotion pointCache(const LoadContext &context, const TomlValue &value, const Mesh &mesh, bool isSequence) {
+std::shared_ptr<const PointSource> pointCache(const LoadContext &context, const TomlValue &value, const Mesh &mesh, bool isSequence) {
     if (!isPointCachePath(toText(value))) failInput(value.where, quoted(value.text), "a file ending in .pc2 or .mdd");
     if (isSequence) failInput(value.where, "a cache for a numbered sequence", "one of the two");
-    CacheMotion cache{filePath(context, value)};
-    const std::uint32_t points = PointCacheReader(cache.path).info().points;
-    if (points != mesh.positions.size())
-        failInput(value.where, quoted(value.text) + " with " + std::to_string(points) + " points",
+    std::shared_ptr<const PointSource> cache = cachePoints(filePath(context, value));
+    if (cache->points() != mesh.positions.size())
+        failInput(value.where, quoted(value.text) + " with " + std::to_string(cache->points()) + " points",
                   "as many as the mesh has positions, " + std::to_string(mesh.positions.size()));
     return cache;
 }
@@ -143,16 +144,15 @@ CacheMotion pointCache(const LoadContext &context, const TomlValue &value, const
 void addMesh(LoadContext &context, TableReader &table, const TomlValue &file, Object object) {
     if (!isMeshPath(file.text)) failInput(file.where, quoted(file.text), "a file ending in .obj, .ply, .off, .stl, .glb or .gltf");
     std::string path;
+    std::string pattern;
+    std::vector<int> frames;
     if (hasFramePattern(file.text)) {
-        SequenceMotion sequence;
-        sequence.pattern = resolvedPath(context, file.text);
-        sequence.frames = framesOnDisk(sequence.pattern);
-        if (sequence.frames.empty())
-            failInput(file.where, quoted(file.text) + ", but there is no such file as " + pathOfFrame(sequence.pattern, 1),
+        pattern = resolvedPath(context, file.text);
+        frames = framesOnDisk(pattern);
+        if (frames.empty())
+            failInput(file.where, quoted(file.text) + ", but there is no such file as " + pathOfFrame(pattern, 1),
                       "a numbered sequence of meshes");
-        sequence.firstFrame = sequence.frames.front();
-        path = pathOfFrame(sequence.pattern, sequence.firstFrame);
-        object.sequence = std::move(sequence);
+        path = pathOfFrame(pattern, frames.front());
     } else {
         path = filePath(context, file);
     }
@@ -160,7 +160,8 @@ void addMesh(LoadContext &context, TableReader &table, const TomlValue &file, Ob
     const TomlValue *cache = table.find("cache");
     table.finish();
     object.mesh = meshFile(context, path);
-    if (cache != nullptr) object.cache = pointCache(context, *cache, *object.mesh, object.sequence.has_value());
+    if (cache != nullptr) object.points = pointCache(context, *cache, *object.mesh, !frames.empty());
+    if (!frames.empty()) object.points = sequencePoints(std::move(pattern), std::move(frames), object.mesh);
     object.name = uniqueName(context.objectNames, object.name);
     object.materials = slotMaterials(context, *object.mesh, object.name, material);
     context.scene.objects.push_back(std::move(object));

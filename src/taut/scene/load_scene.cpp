@@ -1,7 +1,7 @@
 #include "taut/scene/load_scene.h"
 
-#include "taut/mesh/file_bytes.h"
-#include "taut/mesh/read_mesh.h"
+#include "taut/base/file_bytes.h"
+#include "taut/formats/read_mesh.h"
 #include "taut/scene/load_context.h"
 
 #include <algorithm>

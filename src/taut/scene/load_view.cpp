@@ -43,19 +43,20 @@ Index cameraNode(const GltfFile &file, const TomlValue *name, const Location &wh
     }
     std::vector<std::string_view> names;
     for (const Index index : file.sceneNodes) {
-        const Node &node = file.nodes[index];
-        if (node.camera == kNone || !file.cameras[node.camera].perspective) continue;
-        if (node.name == toText(*name)) return index;
-        names.push_back(node.name);
+        const Index camera = file.attached[index].camera;
+        if (camera == kNone || !file.cameras[camera].perspective) continue;
+        const std::string &nodeName = file.rig.nodes[index].name;
+        if (nodeName == toText(*name)) return index;
+        names.push_back(nodeName);
     }
     if (names.empty()) failInput(name->where, quoted(name->text), "a perspective camera's node, but " + file.path + " has none");
     failUnknownName(name->where, name->text, names);
 }
 
-void setGltfCamera(Camera &camera, GltfMotion motion, Index node) {
+void setGltfCamera(Camera &camera, const GltfFile &file, RigMotion motion, Index node) {
     motion.node = node;
-    camera.fovY = Keyed<double>(static_cast<double>(motion.file->cameras[motion.file->nodes[node].camera].yFov));
-    camera.gltf = std::move(motion);
+    camera.fovY = Keyed<double>(static_cast<double>(file.cameras[file.attached[node].camera].yFov));
+    camera.rig = std::move(motion);
 }
 
 DVec3 toRadiance(const TomlValue &value) {
@@ -213,25 +214,25 @@ void loadCamera(LoadContext &context, const TomlValue *section, const std::strin
     table.exclusive("gltf", "look_at");
     table.exclusive("gltf", "up");
     const bool aimed = table.find("position") != nullptr || table.find("look_at") != nullptr;
-    if (const TomlValue *file = table.find("gltf")) {
-        GltfMotion motion = loadGltfMotion(table, gltfFile(context, filePath(context, *file)));
-        const Index node = cameraNode(*motion.file, table.find("node"), file->where);
-        setGltfCamera(camera, std::move(motion), node);
+    if (const TomlValue *path = table.find("gltf")) {
+        const std::shared_ptr<const GltfFile> file = gltfFile(context, filePath(context, *path));
+        const Index node = cameraNode(*file, table.find("node"), path->where);
+        setGltfCamera(camera, *file, loadGltfMotion(table, file), node);
         camera.placement = loadPlacement(table, true);
     } else if (!aimed && !fallbackGltf.empty()) {
         TableReader nothing(none, "", {});
-        GltfMotion motion = loadGltfMotion(nothing, gltfFile(context, fallbackGltf));
-        const Index node = firstCameraNode(*motion.file);
+        const std::shared_ptr<const GltfFile> file = gltfFile(context, fallbackGltf);
+        const Index node = firstCameraNode(*file);
         if (node != kNone)
-            setGltfCamera(camera, std::move(motion), node);
-        else if (!motion.file->cameras.empty())
+            setGltfCamera(camera, *file, loadGltfMotion(nothing, file), node);
+        else if (!file->cameras.empty())
             context.warnings.add(fallbackGltf + ": has no perspective camera in its scene; the view is framed instead");
         camera.placement = loadPlacement(nothing, true);
     }
     table.read("fov_deg", camera.fovY, keyedNumberIn(kFieldOfView, radians(1)));
     table.read("aperture_radius", camera.apertureRadius, keyedNumberIn(kNotNegative));
     table.read("focus_distance", camera.focusDistance, keyedNumberIn(kNotNegative));
-    if (!camera.gltf) {
+    if (!camera.rig) {
         table.read("up", camera.up, keyedVec3In());
         table.read("position", camera.position, keyedVec3In());
         table.read("look_at", camera.lookAt, keyedVec3In());

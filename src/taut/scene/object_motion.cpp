@@ -1,9 +1,8 @@
 #include "taut/scene/object_motion.h"
 
-#include "taut/base/frame_set.h"
+#include "taut/base/error.h"
 #include "taut/deform/animation.h"
 #include "taut/deform/skinning.h"
-#include "taut/mesh/read_mesh.h"
 
 #include <algorithm>
 #include <cmath>
@@ -19,14 +18,10 @@ Affine toAffine(const DMat4 &m) {
     return Affine(Vec3(m[0]), Vec3(m[1]), Vec3(m[2]), Vec3(m[3]));
 }
 
-const Clip *clipOf(const GltfMotion &motion) {
-    return motion.clip == kNone ? nullptr : &motion.file->clips[motion.clip];
-}
-
 const Skin *skinOf(const Object &object) {
-    if (!object.gltf || object.mesh->skin.empty()) return nullptr;
-    const Index skin = object.gltf->file->nodes[object.gltf->node].skin;
-    return skin == kNone ? nullptr : &object.gltf->file->skins[skin];
+    if (!object.rig || object.mesh->skin.empty()) return nullptr;
+    const Index skin = object.rig->rig->nodes[object.rig->node].skin;
+    return skin == kNone ? nullptr : &object.rig->rig->skins[skin];
 }
 
 double maxAbs(const DMat3 &m) {
@@ -64,57 +59,31 @@ DMat3 withoutRotation(const DMat3 &placement) {
     return s;
 }
 
-const std::vector<Vec3> &sequenceFrame(const Object &object, int frame, ObjectMotion &motion) {
-    const auto known = motion.sequenceFrames.find(frame);
-    if (known != motion.sequenceFrames.end()) return known->second;
-    if (motion.sequenceFrames.size() >= 4) motion.sequenceFrames.clear(); // two are needed at a time
-    return motion.sequenceFrames.emplace(frame, readSequencePositions(pathOfFrame(object.sequence->pattern, frame), *object.mesh))
-        .first->second;
-}
-
-void sequenceControl(const Object &object, double frame, ObjectMotion &motion) {
-    const std::vector<int> &frames = object.sequence->frames;
-    const auto next = std::upper_bound(frames.begin(), frames.end(), frame, [](double f, int key) { return f < key; });
-    const int after = next == frames.end() ? frames.back() : *next;
-    const int before = next == frames.begin() ? frames.front() : *(next - 1);
-    motion.control = sequenceFrame(object, before, motion);
-    if (before == after || frame <= before) return;
-    const float u = static_cast<float>((frame - before) / (after - before));
-    const std::vector<Vec3> &other = sequenceFrame(object, after, motion);
-    for (std::size_t i = 0; i < motion.control.size(); ++i) motion.control[i] = glm::mix(motion.control[i], other[i], u);
-}
-
-const std::vector<Vec3> &cacheSample(std::int64_t number, std::int64_t other, ObjectMotion &motion) {
-    for (std::size_t i = 0; i < 2; ++i)
-        if (motion.cacheNumbers[i] == number) return motion.cacheSamples[i];
-    const std::size_t slot = motion.cacheNumbers[0] == other ? 1 : 0;
-    motion.cache->read(static_cast<std::uint32_t>(number), motion.cacheSamples[slot]);
-    motion.cacheNumbers[slot] = number;
-    return motion.cacheSamples[slot];
-}
-
-/// Positions from the point cache, linear between its samples.
-void cacheControl(const Object &object, double frame, double fps, ObjectMotion &motion) {
-    if (!motion.cache) motion.cache = std::make_shared<PointCacheReader>(object.cache->path);
-    const double sample = motion.cache->info().sampleAtFrame(frame, fps);
-    const auto before = static_cast<std::int64_t>(std::floor(sample));
-    const auto u = static_cast<float>(sample - static_cast<double>(before));
-    const std::vector<Vec3> &first = cacheSample(before, before + 1, motion);
-    motion.control = first;
-    if (u == 0) return;
-    const std::vector<Vec3> &second = cacheSample(before + 1, before, motion);
-    for (std::size_t i = 0; i < motion.control.size(); ++i) motion.control[i] = glm::mix(motion.control[i], second[i], u);
+/// The object's points at a frame.
+std::span<const Vec3> pointsAt(const Object &object, double frame, double fps, ObjectMotion &motion) {
+    if (motion.source != object.points) {
+        motion.points = object.points->open();
+        motion.source = object.points;
+    }
+    const std::span<const Vec3> points = motion.points->at(frame, fps);
+    if (points.size() != object.mesh->positions.size())
+        throw InputError("object " + quoted(object.name) + ": found " + std::to_string(points.size()) + " points at frame " +
+                         formatNumber(frame) + ", expected " + std::to_string(object.mesh->positions.size()) + " as in its mesh");
+    if (const auto bad = std::find_if_not(points.begin(), points.end(), [](const Vec3 &p) { return isFinite(p); }); bad != points.end())
+        throw InputError("object " + quoted(object.name) + ": found a point that is not finite at frame " + formatNumber(frame) + " (point " +
+                         std::to_string(bad - points.begin()) + "), expected finite coordinates");
+    return points;
 }
 
 } // namespace
 
 Mat3 restFromObject(const Object &object) {
     DMat3 rest(1);
-    if (object.gltf) {
-        const GltfFile &file = *object.gltf->file;
-        const Pose pose = restPose(file, clipOf(*object.gltf));
+    if (object.rig) {
+        const Rig &rig = *object.rig->rig;
+        const Pose pose = restPose(rig, clipOf(*object.rig));
         const Skin *skin = skinOf(object);
-        rest = skin != nullptr ? skeletonPlacement(jointMatrices(*skin, pose)) : DMat3(pose.worldFromNode[object.gltf->node]);
+        rest = skin != nullptr ? skeletonPlacement(jointMatrices(*skin, pose)) : DMat3(pose.worldFromNode[object.rig->node]);
     }
     rest = placementRest(object.placement) * rest;
     const double det = glm::determinant(rest);
@@ -123,15 +92,15 @@ Mat3 restFromObject(const Object &object) {
 }
 
 bool isRigid(const Object &object) {
-    if (object.sequence || object.cache || !object.deformers.empty() || !object.rest.bind || !object.placement.scale.isConstant())
+    if (object.points || !object.deformers.empty() || !object.rest.bind || !object.placement.scale.isConstant())
         return false;
-    if (!object.gltf) return true;
+    if (!object.rig) return true;
     if (skinOf(object) != nullptr || !object.mesh->morphs.empty()) return false;
     // A node is rigid where nothing above it scales over time.
-    const Clip *clip = clipOf(*object.gltf);
+    const Clip *clip = clipOf(*object.rig);
     if (clip == nullptr) return true;
-    const GltfFile &file = *object.gltf->file;
-    for (Index node = object.gltf->node; node != kNone; node = file.nodes[node].parent)
+    const Rig &rig = *object.rig->rig;
+    for (Index node = object.rig->node; node != kNone; node = rig.nodes[node].parent)
         for (const Channel &channel : clip->channels)
             if (channel.node == node && channel.path == ChannelPath::Scale) return false;
     return true;
@@ -156,21 +125,15 @@ void motionAtFrame(const Object &object, double frame, double fps, const DMat4 &
     // Without deformers every matrix is taken to render space in double before it is rounded.
     const DMat4 target = state.deformers.empty() ? renderFromScene : DMat4(1);
 
-    if (object.sequence) {
-        sequenceControl(object, frame, motion);
-        state.control = motion.control;
-        state.controlMoved = true;
-    }
-    if (object.cache) {
-        cacheControl(object, frame, fps, motion);
-        state.control = motion.control;
+    if (object.points) {
+        state.control = pointsAt(object, frame, fps, motion);
         state.controlMoved = true;
     }
     double orientation = glm::determinant(DMat3(renderFromScene));
-    if (object.gltf) {
-        const GltfFile &file = *object.gltf->file;
-        const Pose pose = evaluatePose(file, clipOf(*object.gltf), clipTime(*object.gltf, frame, fps));
-        const std::vector<float> &weights = pose.morphWeights[object.gltf->node];
+    if (object.rig) {
+        const Rig &rig = *object.rig->rig;
+        const Pose pose = evaluatePose(rig, clipOf(*object.rig), clipTime(*object.rig, frame, fps));
+        const std::vector<float> &weights = pose.morphWeights[object.rig->node];
         if (!object.mesh->morphs.empty() && !weights.empty()) {
             morphPositions(object.mesh->positions, object.mesh->morphs, weights, motion.control);
             state.control = motion.control;
@@ -182,7 +145,7 @@ void motionAtFrame(const Object &object, double frame, double fps, const DMat4 &
             orientation *= glm::determinant(DMat3(joints.front()));
             sceneFromObject = DMat4(1); // glTF: the node of a skinned mesh does not move it
         } else {
-            sceneFromObject = pose.worldFromNode[object.gltf->node];
+            sceneFromObject = pose.worldFromNode[object.rig->node];
             orientation *= glm::determinant(DMat3(sceneFromObject));
         }
     }

@@ -1,14 +1,11 @@
 #pragma once
-/// Where an object of a scene is at one frame: glTF pose, morphs, sequence, deformers and placement, brought together as the
+/// Where an object of a scene is at one frame: the rig's pose, morphs, a point source, deformers and placement, brought together as the
 /// MotionState that deform/ evaluates.
 
 #include "taut/deform/surface_motion.h"
-#include "taut/mesh/point_cache.h"
 #include "taut/scene/scene.h"
 
-#include <array>
 #include <memory>
-#include <unordered_map>
 
 namespace taut {
 
@@ -16,19 +13,18 @@ namespace taut {
 /// its node and of its skeleton. Symmetric and positive: rotation and mirroring change no shape and are left out.
 Mat3 restFromObject(const Object &object);
 
-/// Buffers of one object that live as long as a render: morphed or sequenced control points, sequence files read so far.
+/// What one object holds as long as it is rendered.
 struct ObjectMotion {
-    std::vector<Vec3> control;
-    std::unordered_map<int, std::vector<Vec3>> sequenceFrames;
-    std::shared_ptr<PointCacheReader> cache;
-    std::array<std::vector<Vec3>, 2> cacheSamples;    ///< the samples read last,
-    std::array<std::int64_t, 2> cacheNumbers{-1, -1}; ///< and which they are
-    Deformer deformer;                                ///< scratch
+    std::vector<Vec3> control;                 ///< morphed control points
+    std::shared_ptr<const PointSource> source; ///< the object's, with the way through it
+    std::unique_ptr<PointReader> points;
+    Deformer deformer; ///< scratch
     MotionState state;
 };
 
 /// Fills motion.state for `frame`. renderFromWorld is applied last, in double, so that a rigid motion shared by objects and
-/// camera leaves no trace in the rounded matrices. Throws InputError where a sequence file can't be read.
+/// camera leaves no trace in the rounded matrices. Throws InputError where the object's points
+/// can't be read, are not as many as its mesh has, or are not finite.
 void motionAtFrame(const Object &object, double frame, double fps, const DMat4 &renderFromWorld, ObjectMotion &motion);
 
 /// True where the object's surface is never deformed relative to its rest state: rigid or constant placements only.

@@ -20,7 +20,7 @@ void prepareObjectSurface(const Object &object, double fps, GradientEstimator es
     SurfaceOptions options;
     options.restFromObject = restFromObject(object);
     options.smooth = object.smooth;
-    options.weld = object.gltf.has_value();
+    options.weld = object.rig.has_value();
     options.fit = estimator == GradientEstimator::Angle          ? GradientFit::Angle
                   : estimator == GradientEstimator::LeastSquares ? GradientFit::LeastSquares
                                                                  : GradientFit::Area;

@@ -59,10 +59,9 @@ CameraState cameraAtFrame(const Camera &camera, double frame, double fps) {
     state.fovY = camera.fovY.at(frame);
     state.apertureRadius = camera.apertureRadius.at(frame);
     state.focusDistance = camera.focusDistance.at(frame);
-    if (camera.gltf) {
-        const GltfMotion &motion = *camera.gltf;
-        const Clip *clip = motion.clip == kNone ? nullptr : &motion.file->clips[motion.clip];
-        const Pose pose = evaluatePose(*motion.file, clip, clipTime(motion, frame, fps));
+    if (camera.rig) {
+        const RigMotion &motion = *camera.rig;
+        const Pose pose = evaluatePose(*motion.rig, clipOf(motion), clipTime(motion, frame, fps));
         const DMat4 placed = placementAt(camera.placement, frame) * pose.worldFromNode[motion.node];
         state.worldFromCamera = compose(rotationOf(DMat3(placed)), DVec3(placed[3]));
         if (!(state.focusDistance > 0)) state.focusDistance = 1;
@@ -75,10 +74,14 @@ CameraState cameraAtFrame(const Camera &camera, double frame, double fps) {
     return state;
 }
 
-double clipTime(const GltfMotion &motion, double frame, double fps) {
+const Clip *clipOf(const RigMotion &motion) {
+    return motion.clip == kNone ? nullptr : &motion.rig->clips[motion.clip];
+}
+
+double clipTime(const RigMotion &motion, double frame, double fps) {
     const double seconds = (frame - 1) / fps;
     if (!motion.loop || motion.clip == kNone) return seconds;
-    const double duration = motion.file->clips[motion.clip].duration;
+    const double duration = motion.rig->clips[motion.clip].duration;
     if (!(duration > 0)) return seconds;
     return seconds - duration * std::floor(seconds / duration);
 }

@@ -7,8 +7,9 @@
 #include "taut/deform/deformer.h"
 #include "taut/deform/gradient_interpolation.h"
 #include "taut/deform/keyed.h"
+#include "taut/deform/point_source.h"
 #include "taut/deform/surface_motion.h"
-#include "taut/mesh/gltf.h"
+#include "taut/deform/rig.h"
 #include "taut/mesh/mesh.h"
 #include "taut/mesh/subdivide.h"
 #include "taut/scene/environment.h"
@@ -72,26 +73,17 @@ DMat4 placementAt(const Placement &placement, double frame);
 /// Linear part of the placement with its keyed scale at the first key: what carries the rest state.
 DMat3 placementRest(const Placement &placement);
 
-/// What moves an object's points before its deformers.
-struct GltfMotion {
-    std::shared_ptr<const GltfFile> file;
+/// What moves an object's points before its deformers: a node of a rig, and the skin that it names.
+struct RigMotion {
+    std::shared_ptr<const Rig> rig;
     Index node = kNone; ///< the node that holds the mesh
-    Index clip = kNone; ///< into file->clips; kNone: nodes as stored
+    Index clip = kNone; ///< into rig->clips; kNone: nodes as stored
     bool loop = false;  ///< repeat the clip; false: hold its ends
 };
+/// The clip that a motion plays; null: none.
+const Clip *clipOf(const RigMotion &motion);
 /// Time on the motion's clip at a frame, seconds: (frame - 1) / fps, wrapped into the clip where it loops.
-double clipTime(const GltfMotion &motion, double frame, double fps);
-
-struct SequenceMotion {
-    std::string pattern;     ///< path with #### or %0Nd
-    int firstFrame = 1;      ///< of the files found on disk, contiguous or not
-    std::vector<int> frames; ///< the files found, increasing; between them positions are interpolated linearly
-};
-
-/// Positions of the mesh's points over time from a PC2 or MDD file (mesh/point_cache.h), object space.
-struct CacheMotion {
-    std::string path;
-};
+double clipTime(const RigMotion &motion, double frame, double fps);
 
 /// Level of an object whose level a plan would choose, where there is none.
 inline constexpr int kUnplannedLevel = 3;
@@ -106,10 +98,9 @@ struct Object {
     std::string name;
     std::shared_ptr<const Mesh> mesh;
     std::vector<Index> materials; ///< [max(1, mesh->materialNames)], into Scene::materials, by face material slot
-    std::optional<GltfMotion> gltf;
-    std::optional<SequenceMotion> sequence;
-    std::optional<CacheMotion> cache;
-    std::vector<DeformerKeys> deformers; ///< in the object's space, before the placement (glTF: in the file's scene space)
+    std::optional<RigMotion> rig;
+    std::shared_ptr<const PointSource> points; ///< positions over time from arrays, a function or files; null: the mesh's own
+    std::vector<DeformerKeys> deformers; ///< in the object's space, before the placement (of a rig: in the rig's space)
     Placement placement;
     SubdivisionOptions subdivision;
     bool planLevel = false; ///< the plan chooses subdivision.level; what that holds is for those who do not plan
@@ -148,7 +139,7 @@ struct Camera {
     Keyed<double> fovY{0.69813};       ///< vertical, radians
     Keyed<double> apertureRadius{0.0}; ///< metres
     Keyed<double> focusDistance{0.0};  ///< metres; 0: the distance to look_at
-    std::optional<GltfMotion> gltf;    ///< a camera node of a glTF file, placed by `placement`; replaces position/lookAt/up
+    std::optional<RigMotion> rig;      ///< a node to look along -z from, placed by `placement`; replaces position/lookAt/up
     Placement placement;
 };
 

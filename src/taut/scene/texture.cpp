@@ -1,7 +1,7 @@
 #include "taut/scene/texture.h"
 
 #include "taut/base/parallel.h"
-#include "taut/mesh/file_bytes.h"
+#include "taut/base/file_bytes.h"
 
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>

@@ -1,6 +1,6 @@
 #include "taut/scene/toml_value.h"
 
-#include "taut/mesh/file_bytes.h"
+#include "taut/base/file_bytes.h"
 
 #include <toml++/toml.h>
 
@@ -201,23 +201,6 @@ std::string describe(const TomlValue &value) {
     case TomlValue::Kind::Other: break;
     }
     return "a date or time";
-}
-
-std::string formatNumber(double value) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%g", value);
-    if (value == 0 || std::abs(value) >= 1e-3) return text;
-    // %g writes 0.0001 and 1e-05 where people write 1e-4 and 1e-5.
-    for (int digits = 0; digits < 6; ++digits) {
-        char scientific[32];
-        std::snprintf(scientific, sizeof scientific, "%.*e", digits, value);
-        if (std::abs(std::strtod(scientific, nullptr) - value) > 1e-6 * std::abs(value)) continue;
-        std::string out = scientific;
-        const std::size_t zero = out.find("e-0");
-        if (zero != std::string::npos) out.erase(zero + 2, 1);
-        return out;
-    }
-    return text;
 }
 
 } // namespace taut

@@ -50,7 +50,4 @@ void applyOverride(TomlValue &root, const std::string &text);
 /// What a value is, for the "found" part of an error: 12, 'text', a table, an array of 3 items.
 std::string describe(const TomlValue &value);
 
-/// A number as people write it: 0.5, 10, 1e-4.
-std::string formatNumber(double value);
-
 } // namespace taut

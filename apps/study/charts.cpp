@@ -1,0 +1,22 @@
+#include "study/charts.h"
+
+namespace taut::chart {
+
+std::span<const ChartEntry> allCharts() {
+    static constexpr ChartEntry kCharts[] = {
+        {"precision", "digits that float leaves to formulations of the microsurface", measurePrecision},
+        {"sampling", "what samplers of reflections cost, reject and vary", measureSampling},
+        {"gradient", "estimators of the surface gradient", measureGradient},
+        {"interpolation", "schemes that interpolate it within a triangle", measureInterpolation},
+        {"subdivision", "levels of subdivision", measureSubdivision},
+        {"multiscatter", "light that meets more than one facet: energy, directions, cost", measureMultiscatter},
+        {"bvh", "refitting and rebuilding the BVH of a deforming mesh", measureBvh},
+        {"plan", "what the plan's tolerance saves", measurePlan},
+        {"render", "the whole renderer by samples, models and samplers; Cycles where Blender is", measureRender},
+        {"microgeometry", "a deformed heightfield of real facets beside M", measureMicrogeometry},
+        {"talk", "the figures of the talk that the project began with", measureTalk},
+    };
+    return kCharts;
+}
+
+} // namespace taut::chart

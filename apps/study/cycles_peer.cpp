@@ -1,0 +1,208 @@
+#include "study/cycles_peer.h"
+
+#include "taut/base/error.h"
+#include "taut/render/image_file.h"
+
+#include <nlohmann/json.hpp>
+
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <fcntl.h>
+#include <fstream>
+#include <map>
+#include <spawn.h>
+#include <sstream>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace taut::chart {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+namespace {
+
+json toJson(const Vec3 &v) {
+    return {v.x, v.y, v.z};
+}
+json toJson(const DVec3 &v) {
+    return {v.x, v.y, v.z};
+}
+
+template <class T> void writeArray(const fs::path &path, const std::vector<T> &values) {
+    std::ofstream file(path, std::ios::binary);
+    file.write(reinterpret_cast<const char *>(values.data()), static_cast<std::streamsize>(values.size() * sizeof(T)));
+    if (!file.flush()) throw RunError("can't write '" + path.string() + "'");
+}
+
+/// World positions of the control points: render vertices that share one are joined, so that Blender's normals are smooth there.
+std::vector<Vec3> worldPoints(const RenderScene &ready, const RenderObject &object) {
+    std::vector<Vec3> points(object.mesh().positions.size());
+    const std::vector<Vec3> &positions = object.steps.front().positions;
+    for (std::size_t v = 0; v < object.surface.vertexCount(); ++v) {
+        const Vec3 p = object.placements.empty() ? positions[v] : transformPoint(object.placements.front(), positions[v]);
+        points[object.surface.surfacePosition[object.surface.vertexSurface[v]]] = Vec3(ready.worldFromRender() * glm::dvec4(DVec3(p), 1));
+    }
+    return points;
+}
+
+json meshJson(const RenderScene &ready, std::size_t index, const fs::path &folder) {
+    const RenderObject &object = ready.objects()[index];
+    const Surface &surface = object.surface;
+    std::vector<Index> triangles;
+    std::vector<Vec2> uvs;
+    for (const Index3 &t : surface.triangles)
+        for (int k = 0; k < 3; ++k) {
+            triangles.push_back(surface.surfacePosition[surface.vertexSurface[t[k]]]);
+            uvs.push_back(surface.uvs.empty() ? Vec2(0) : surface.uvs[t[k]]);
+        }
+    const std::string name = "mesh" + std::to_string(index);
+    writeArray(folder / (name + ".triangles"), triangles);
+    writeArray(folder / (name + ".uvs"), uvs);
+    return {{"name", name},
+            {"material", ready.scene().materials[object.object->materials.front()].name},
+            {"triangles", name + ".triangles"},
+            {"corner_uvs", name + ".uvs"},
+            {"points", json::array()}};
+}
+
+json materialJson(const Material &material) {
+    json out{{"name", material.name}, {"color", toJson(material.color.value)}};
+    switch (material.type) {
+    case MaterialType::Conductor: out["type"] = "conductor"; break;
+    case MaterialType::Dielectric: out["type"] = "dielectric"; break;
+    case MaterialType::Diffuse: out["type"] = "diffuse"; break;
+    default: throw RunError("can't give the material '" + material.name + "' to Cycles");
+    }
+    out["alpha"] = {material.alphaX.value, material.alphaY.value};
+    out["ior"] = material.ior;
+    return out;
+}
+
+json environmentJson(const std::optional<Environment> &environment, const fs::path &folder) {
+    if (!environment) return json::object();
+    if (environment->constant) return {{"radiance", toJson(environment->texels.front())}};
+    Image image{{0, 0, environment->width, environment->height}, environment->width, environment->height, {"R", "G", "B"}, {}};
+    for (const Vec3 &texel : environment->texels) image.values.insert(image.values.end(), {texel.x, texel.y, texel.z});
+    writeImage((folder / "environment.exr").string(), image, {});
+    return {{"file", "environment.exr"}, {"width", environment->width}};
+}
+
+} // namespace
+
+bool hasBlender() {
+    std::istringstream path(std::getenv("PATH") != nullptr ? std::getenv("PATH") : "");
+    for (std::string folder; std::getline(path, folder, ':');)
+        if (access((fs::path(folder) / "blender").c_str(), X_OK) == 0) return true;
+    return false;
+}
+
+void writeCyclesScene(RenderScene &ready, int threads, const fs::path &folder) {
+    const Scene &scene = ready.scene();
+    json description{{"threads", threads}, {"meshes", json::array()}, {"materials", json::array()}, {"lights", json::array()}};
+    for (std::size_t i = 0; i < scene.objects.size(); ++i) description["meshes"].push_back(meshJson(ready, i, folder));
+    for (std::size_t f = 0; f < scene.render.frames.size(); ++f) {
+        StageTimes times;
+        ready.setFrame(scene.render.frames[f], times);
+        for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+            json &names = description["meshes"][i]["points"];
+            if (f > 0 && scene.objects[i].deformers.empty()) continue;
+            names.push_back("mesh" + std::to_string(i) + "." + std::to_string(f) + ".points");
+            writeArray(folder / names.back().get<std::string>(), worldPoints(ready, ready.objects()[i]));
+        }
+    }
+    for (const Material &material : scene.materials) description["materials"].push_back(materialJson(material));
+    for (const Light &light : scene.lights)
+        description["lights"].push_back({{"type", "quad"},
+                                         {"corner", toJson(light.corner)},
+                                         {"u", toJson(light.u)},
+                                         {"v", toJson(light.v)},
+                                         {"radiance", toJson(light.radiance)}});
+    const Camera &camera = scene.camera;
+    description["camera"] = {{"position", toJson(camera.position.at(1))},
+                             {"look_at", toJson(camera.lookAt.at(1))},
+                             {"up", toJson(camera.up.at(1))},
+                             {"fov_deg", glm::degrees(camera.fovY.at(1))}};
+    description["environment"] = environmentJson(scene.environment, folder);
+    description["render"] = {{"width", scene.render.width}, {"height", scene.render.height}, {"max_events", scene.render.maxEvents}};
+    writeTextFile((folder / "scene.json").string(), description.dump(1) + "\n");
+}
+
+std::vector<float> readCyclesImage(const fs::path &file) {
+    const Image image = readImage(file.string());
+    if (image.channels.size() < 3) throw RunError("Cycles wrote an image of fewer than three channels");
+    const std::size_t stride = image.channels.size();
+    std::map<std::string, std::size_t> places;
+    for (std::size_t c = 0; c < stride; ++c) places[image.channels[c]] = c;
+    std::vector<float> rgb;
+    for (std::size_t i = 0; i < image.values.size(); i += stride)
+        for (const char *name : {"R", "G", "B"}) rgb.push_back(image.values[i + places.at(name)]);
+    return rgb;
+}
+
+struct CyclesPeer::Process {
+    pid_t id = 0;
+    FILE *requests = nullptr;
+    FILE *answers = nullptr;
+    fs::path log;
+
+    json answer() {
+        std::string line;
+        for (int c = std::fgetc(answers); c != EOF; c = std::fgetc(answers)) {
+            if (c != '\n') {
+                line.push_back(static_cast<char>(c));
+                continue;
+            }
+            if (line.rfind("CYCLES ", 0) == 0) return json::parse(line.substr(7));
+            line.clear(); // Blender's own progress
+        }
+        throw RunError("Blender ended early: see " + log.string());
+    }
+};
+
+CyclesPeer::CyclesPeer(const fs::path &folder) : process_(std::make_unique<Process>()) {
+    std::signal(SIGPIPE, SIG_IGN); // a Blender that is gone shows when its answer is read
+    process_->log = folder / "blender.log";
+    int in[2];
+    int out[2];
+    if (pipe2(in, O_CLOEXEC) != 0 || pipe2(out, O_CLOEXEC) != 0) throw RunError("can't make a pipe");
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_adddup2(&actions, in[0], STDIN_FILENO);
+    posix_spawn_file_actions_adddup2(&actions, out[1], STDOUT_FILENO);
+    posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, process_->log.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
+    const std::string scene = (folder / "scene.json").string();
+    std::vector<std::string> words{
+        "blender", "-b", "-noaudio", "--factory-startup", "--python-exit-code", "1", "--python", TAUT_BLENDER_SCRIPTS "/cycles_bench.py",
+        "--",      scene};
+    std::vector<char *> arguments;
+    for (std::string &word : words) arguments.push_back(word.data());
+    arguments.push_back(nullptr);
+    const int failed = posix_spawnp(&process_->id, "blender", &actions, nullptr, arguments.data(), environ);
+    posix_spawn_file_actions_destroy(&actions);
+    close(in[0]);
+    close(out[1]);
+    process_->requests = fdopen(in[1], "w");
+    process_->answers = fdopen(out[0], "r");
+    if (failed != 0) throw RunError("can't start blender");
+    process_->answer(); // ready
+}
+
+CyclesPeer::~CyclesPeer() {
+    std::fclose(process_->requests); // the end of its input ends it
+    int status = 0;
+    if (process_->id > 0) waitpid(process_->id, &status, 0);
+    std::fclose(process_->answers);
+}
+
+CyclesTimes CyclesPeer::render(const CyclesRequest &request) {
+    const json line{{"frame", request.frame}, {"spp", request.spp},       {"seed", request.seed},
+                    {"width", request.width}, {"height", request.height}, {"output", request.output.string()}};
+    std::fputs((line.dump() + "\n").c_str(), process_->requests);
+    std::fflush(process_->requests);
+    const json answer = process_->answer();
+    return {answer["seconds"], answer["peak_mb"]};
+}
+
+} // namespace taut::chart

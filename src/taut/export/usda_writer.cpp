@@ -1,0 +1,194 @@
+#include "taut/export/usda_writer.h"
+
+#include "taut/base/error.h"
+#include "taut/export/block_writer.h"
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <set>
+
+namespace taut {
+
+namespace {
+
+constexpr std::size_t kRows = 2048;
+
+/// One attribute of the vertices under its USD name and type.
+struct Sampled {
+    std::string declaration; ///< "vector3f[] primvars:taut:ds"
+    int width;
+    std::size_t stride;
+    const float *data;
+};
+
+bool isDirection(std::string_view name) {
+    return name == "tangent" || name == "ds" || name == "dt" || name == "stretch_dir" || name == "alpha_dir";
+}
+
+std::vector<Sampled> sampledAttributes(const GlossMesh &mesh) {
+    std::vector<Sampled> out{{"point3f[] points", 3, 3, &mesh.positions.front().x}, {"normal3f[] normals", 3, 3, &mesh.normals.front().x}};
+    for (const VertexAttribute &a : vertexAttributes(mesh)) {
+        if (a.name == "Pref") continue; // does not change
+        const char *type = a.width == 1 ? "float" : isDirection(a.name) ? "vector3f" : "float3";
+        out.push_back({std::string(type) + "[] primvars:taut:" + a.name, a.width, a.stride, a.data});
+    }
+    return out;
+}
+
+/// "[(1, 2, 3), ...]" of floats, or "[1, 2, ...]".
+template <class Sink> void writeFloatArray(int width, std::size_t stride, const float *data, std::size_t count, const Sink &sink) {
+    sink("[");
+    writeBlocks(
+        count, kRows,
+        [&](std::size_t begin, std::size_t end, std::string &text) {
+            for (std::size_t v = begin; v < end; ++v) {
+                if (v != 0) text += ", ";
+                if (width > 1) text += '(';
+                for (int c = 0; c < width; ++c) {
+                    if (c != 0) text += ", ";
+                    appendShortest(text, data[v * stride + static_cast<std::size_t>(c)]);
+                }
+                if (width > 1) text += ')';
+            }
+        },
+        sink);
+    sink("]");
+}
+
+template <class Value, class Sink> void writeIntArray(std::size_t count, const Value &value, const Sink &sink) {
+    sink("[");
+    writeBlocks(
+        count, kRows,
+        [&](std::size_t begin, std::size_t end, std::string &text) {
+            for (std::size_t i = begin; i < end; ++i) {
+                if (i != 0) text += ", ";
+                appendNumber(text, value(i));
+            }
+        },
+        sink);
+    sink("]");
+}
+
+/// Names of prims: letters, digits and underscores, each once.
+std::vector<std::string> primNames(std::span<const GlossMesh> meshes) {
+    std::vector<std::string> names;
+    std::set<std::string> taken;
+    for (const GlossMesh &mesh : meshes) {
+        std::string name = mesh.name.empty() ? "mesh" : mesh.name;
+        for (char &c : name)
+            if (!((c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'))) c = '_';
+        if (name[0] >= '0' && name[0] <= '9') name.insert(0, 1, '_');
+        std::string unique = name;
+        for (int i = 2; !taken.insert(unique).second; ++i) unique = name + "_" + std::to_string(i);
+        names.push_back(unique);
+    }
+    return names;
+}
+
+std::string layerHeader(const std::vector<int> &frames, double fps) {
+    std::string rate;
+    char text[32];
+    rate.assign(text, std::to_chars(text, text + sizeof text, fps).ptr);
+    return "#usda 1.0\n(\n    defaultPrim = \"taut\"\n    doc = \"\"\"Written by taut export. M = [M.x M.y M_p; 0 M.z M_q; 0 0 1] in the "
+           "frame "
+           "(tangent, cross(normal, tangent), normal).\"\"\"\n    endTimeCode = " +
+           std::to_string(frames.back()) + "\n    framesPerSecond = " + rate +
+           "\n    metersPerUnit = 1\n    startTimeCode = " + std::to_string(frames.front()) + "\n    timeCodesPerSecond = " + rate +
+           "\n    upAxis = \"Z\"\n)\n\ndef Xform \"taut\"\n{\n";
+}
+
+} // namespace
+
+/// A temporary file that vanishes with its owner.
+struct UsdaWriter::Spool {
+    std::string path;
+    std::FILE *file;
+    explicit Spool(std::string name) : path(std::move(name)), file(std::fopen(path.c_str(), "w+b")) {
+        if (file == nullptr) fail();
+    }
+    Spool(const Spool &) = delete;
+    Spool &operator=(const Spool &) = delete;
+    ~Spool() {
+        if (file != nullptr) std::fclose(file);
+        std::remove(path.c_str());
+    }
+    [[noreturn]] void fail() const { throw RunError(path + ": could not be written: " + std::strerror(errno)); }
+    void write(std::string_view text) const {
+        if (std::fwrite(text.data(), 1, text.size(), file) != text.size()) fail();
+    }
+    void appendTo(OutputFile &out) const {
+        std::vector<char> block(std::size_t{1} << 20);
+        if (std::fflush(file) != 0) fail();
+        std::rewind(file);
+        while (const std::size_t size = std::fread(block.data(), 1, block.size(), file)) out.write(block.data(), size);
+        if (std::ferror(file) != 0) fail();
+    }
+};
+
+UsdaWriter::UsdaWriter(const std::string &path, std::span<const GlossMesh> meshes) : out_(path) {
+    for (std::size_t m = 0; m < meshes.size(); ++m) {
+        auto &spools = spools_.emplace_back();
+        const std::size_t count = sampledAttributes(meshes[m]).size();
+        for (std::size_t a = 0; a < count; ++a)
+            spools.push_back(std::make_unique<Spool>(path + ".partial." + std::to_string(m) + "." + std::to_string(a)));
+    }
+}
+
+UsdaWriter::~UsdaWriter() = default;
+
+void UsdaWriter::write(int frame, std::span<const GlossMesh> meshes) {
+    frames_.push_back(frame);
+    for (std::size_t m = 0; m < meshes.size(); ++m) {
+        const std::vector<Sampled> attributes = sampledAttributes(meshes[m]);
+        for (std::size_t a = 0; a < attributes.size(); ++a) {
+            const Sampled &attribute = attributes[a];
+            const auto sink = [&](std::string_view text) { spools_[m][a]->write(text); };
+            sink("            " + std::to_string(frame) + ": ");
+            writeFloatArray(attribute.width, attribute.stride, attribute.data, meshes[m].vertexCount(), sink);
+            sink(",\n");
+        }
+    }
+}
+
+void UsdaWriter::finish(std::span<const GlossMesh> meshes, double fps) {
+    const auto sink = [&](std::string_view text) { out_.write(text); };
+    const std::vector<std::string> names = primNames(meshes);
+    sink(layerHeader(frames_, fps));
+    for (std::size_t m = 0; m < meshes.size(); ++m) {
+        const GlossMesh &mesh = meshes[m];
+        const std::size_t vertices = mesh.vertexCount();
+        sink("    def Mesh \"" + names[m] + "\"\n    {\n        uniform bool doubleSided = 1\n        int[] faceVertexCounts = ");
+        writeIntArray(
+            mesh.triangles.size(), [](std::size_t) { return 3U; }, sink);
+        sink("\n        int[] faceVertexIndices = ");
+        writeIntArray(
+            3 * mesh.triangles.size(), [&](std::size_t i) { return mesh.triangles[i / 3][static_cast<int>(i % 3)]; }, sink);
+        sink("\n        uniform token orientation = \"rightHanded\"\n        uniform token subdivisionScheme = \"none\"\n");
+        const auto vertexArray = [&](const char *declaration, int width, const float *data) {
+            sink(std::string("        ") + declaration + " = ");
+            writeFloatArray(width, static_cast<std::size_t>(width), data, vertices, sink);
+            sink(" (\n            interpolation = \"vertex\"\n        )\n");
+        };
+        if (!mesh.uvs.empty()) vertexArray("texCoord2f[] primvars:st", 2, &mesh.uvs.front().x);
+        vertexArray("point3f[] primvars:Pref", 3, &mesh.restPositions.front().x);
+        sink("        int[] primvars:taut:material = ");
+        writeIntArray(
+            mesh.triangleMaterials.size(), [&](std::size_t i) { return mesh.triangleMaterials[i]; }, sink);
+        sink(" (\n            interpolation = \"uniform\"\n        )\n");
+        const std::vector<Sampled> attributes = sampledAttributes(mesh);
+        for (std::size_t a = 0; a < attributes.size(); ++a) {
+            const std::string &declaration = attributes[a].declaration;
+            if (a > 0) sink("        " + declaration + " (\n            interpolation = \"vertex\"\n        )\n"); // points have none
+            sink("        " + declaration + ".timeSamples = {\n");
+            spools_[m][a]->appendTo(out_);
+            sink("        }\n");
+        }
+        sink("    }\n");
+    }
+    sink("}\n");
+    spools_.clear();
+    out_.finish();
+}
+
+} // namespace taut

@@ -1,0 +1,111 @@
+#include "taut/formats/read_mesh.h"
+
+#include "taut/base/file_bytes.h"
+#include "taut/formats/read_formats.h"
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+
+namespace taut {
+
+namespace {
+
+constexpr std::array<std::string_view, 4> kExtensions{"obj", "ply", "off", "stl"};
+
+/// Keeps every count within Index: a corner takes at least one byte in every format.
+constexpr std::size_t kLargestFile = 0xfffffffeU;
+
+Mesh readByExtension(const std::string &path, Warnings &warnings) {
+    const std::string extension = lowerExtension(path);
+    if (!isMeshPath(path)) failUnknownName({path, 0, 0, -1}, extension, kExtensions);
+    const std::string bytes = readFileBytes(path);
+    if (bytes.size() > kLargestFile) throw InputError(path + ": found " + std::to_string(bytes.size()) + " bytes, expected at most 4 GiB");
+    if (extension == "ply") return readPly(bytes, path, warnings);
+    if (extension == "off") return readOff(bytes, path, warnings);
+    if (extension == "stl") return readStl(bytes, path, warnings);
+    return readObj(bytes, path);
+}
+
+bool hasThreeDistinct(const Mesh &mesh, std::size_t face) {
+    const auto begin = mesh.cornerPositions.begin() + mesh.faceOffsets[face];
+    const auto end = mesh.cornerPositions.begin() + mesh.faceOffsets[face + 1];
+    const auto second = std::find_if(begin, end, [&](Index v) { return v != *begin; });
+    if (second == end) return false;
+    return std::any_of(second, end, [&](Index v) { return v != *begin && v != *second; });
+}
+
+} // namespace
+
+void dropDegenerateFaces(Mesh &mesh, const std::string &what, Warnings &warnings) {
+    std::size_t keptFaces = 0;
+    std::size_t keptCorners = 0;
+    const std::size_t faces = mesh.faceCount();
+    for (std::size_t f = 0; f < faces; ++f) {
+        if (!hasThreeDistinct(mesh, f)) continue;
+        const std::size_t begin = mesh.faceOffsets[f];
+        const std::size_t end = mesh.faceOffsets[f + 1];
+        for (std::vector<Index> *corners : {&mesh.cornerPositions, &mesh.cornerNormals, &mesh.cornerUvs, &mesh.cornerTangents})
+            if (!corners->empty()) std::copy(corners->begin() + begin, corners->begin() + end, corners->begin() + keptCorners);
+        keptCorners += end - begin;
+        if (!mesh.faceMaterials.empty()) mesh.faceMaterials[keptFaces] = mesh.faceMaterials[f];
+        // In place: keptFaces <= f, so no offset that is still to be read is overwritten with another value.
+        mesh.faceOffsets[keptFaces + 1] = static_cast<Index>(keptCorners);
+        ++keptFaces;
+    }
+    if (keptFaces == faces) return;
+    mesh.faceOffsets.resize(keptFaces + 1);
+    for (std::vector<Index> *corners : {&mesh.cornerPositions, &mesh.cornerNormals, &mesh.cornerUvs, &mesh.cornerTangents})
+        if (!corners->empty()) corners->resize(keptCorners);
+    if (!mesh.faceMaterials.empty()) mesh.faceMaterials.resize(keptFaces);
+    warnings.add(what + ": dropped " + std::to_string(faces - keptFaces) + " of " + std::to_string(faces) +
+                 " faces, which have fewer than three distinct corners");
+}
+
+void normaliseNormals(Mesh &mesh) {
+    for (Vec3 &n : mesh.normals) {
+        // In double: the square of a float may leave float's range.
+        const DVec3 wide(n);
+        const double length = glm::length(wide);
+        n = length > 0 ? Vec3(wide / length) : Vec3(0);
+    }
+    for (Index &corner : mesh.cornerNormals)
+        if (corner != kNone && mesh.normals[corner] == Vec3(0)) corner = kNone;
+}
+
+bool isMeshPath(const std::string &path) {
+    return std::find(kExtensions.begin(), kExtensions.end(), lowerExtension(path)) != kExtensions.end();
+}
+
+Mesh readMesh(const std::string &path, Warnings &warnings) {
+    Mesh mesh = readByExtension(path, warnings);
+    mesh.name = std::filesystem::path(path).stem().string();
+    dropDegenerateFaces(mesh, path, warnings);
+    normaliseNormals(mesh);
+    shrinkToFit(mesh);
+    if (mesh.faceCount() == 0) throw InputError(path + ": found no face, expected at least one face with three distinct corners");
+    return mesh;
+}
+
+std::vector<Vec3> readSequencePositions(const std::string &path, const Mesh &first) {
+    Warnings said; // of the same faces, once a frame: the first frame has said it
+    Mesh mesh = readMesh(path, said);
+    const auto fail = [&](std::size_t found, std::size_t expected, const std::string &what) {
+        throw InputError(path + ": found " + std::to_string(found) + " " + what + ", expected " + std::to_string(expected) +
+                         " as in the first mesh of the sequence");
+    };
+    if (mesh.positions.size() != first.positions.size()) fail(mesh.positions.size(), first.positions.size(), "positions");
+    if (mesh.faceCount() != first.faceCount()) fail(mesh.faceCount(), first.faceCount(), "faces");
+    for (std::size_t f = 0; f < mesh.faceCount(); ++f) {
+        const bool same =
+            mesh.faceOffsets[f + 1] == first.faceOffsets[f + 1] &&
+            std::equal(mesh.cornerPositions.begin() + mesh.faceOffsets[f], mesh.cornerPositions.begin() + mesh.faceOffsets[f + 1],
+                       first.cornerPositions.begin() + first.faceOffsets[f]);
+        if (!same)
+            throw InputError(path + ": found other corners in face " + std::to_string(f) +
+                             " (counted from 0), expected those of the first mesh of the sequence");
+    }
+    return std::move(mesh.positions);
+}
+
+} // namespace taut
