@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """What may not change when the code is only moved: hashes of renders and exports, by any build of taut.
 
-    python3 tests/pictures/record.py build/release/taut FOLDER      renders, exports, writes FOLDER/hashes.tsv
+    python3 tests/pictures/record.py build/release/taut FOLDER [PART]   renders, exports, writes FOLDER/hashes.tsv; PART: only
+                                                                        pictures whose name holds it, no exports
     python3 tests/pictures/record.py --compare FOLDER FOLDER        same? else the largest relative difference of each picture
 
 A picture's hash is that of its pixels and of what `oiiotool --info -v` says about it, without name and times; an export's that of its
@@ -155,10 +156,10 @@ def picture_hash(path):
     return pixels[:20] + "-" + hashlib.sha256("\n".join(said).encode()).hexdigest()[:12]
 
 
-def record(taut, folder):
+def record(taut, folder, part):
     folder.mkdir(parents=True, exist_ok=True)
     jobs = [(name, text.replace("MESHES", str(ROOT / "meshes")), arguments) for name, text, arguments in SCENES]
-    jobs += FILES
+    jobs = [job for job in jobs + FILES if part in job[0]]
     rows = []
     for name, scene, arguments in jobs:
         stem = name.replace(" ", "_").replace(",", "")
@@ -182,6 +183,15 @@ def record(taut, folder):
         run(taut, "render", path, *(spp or size[:4]), *arguments, "-o", folder / (stem + ".####.exr"), "-q")
         for image in sorted(folder.glob(stem + ".[0-9][0-9][0-9][0-9].exr")):
             rows.append((image.name, picture_hash(image)))
+    if not part:
+        record_exports(taut, folder)
+    for file in sorted(p for p in folder.iterdir() if p.name.startswith(("body.", "man."))):
+        rows.append((file.name, hashlib.sha256(file.read_bytes()).hexdigest()[:32]))
+    (folder / "hashes.tsv").write_text("".join("%s\t%s\n" % row for row in rows))
+    print("%d pictures, %d files" % (sum(n.endswith(".exr") for n, _ in rows), sum(not n.endswith(".exr") for n, _ in rows)))
+
+
+def record_exports(taut, folder):
     body = folder / "export.toml"
     body.write_text((HEAD + METAL + STUDIO + BODY + TWIST).replace("MESHES", str(ROOT / "meshes")))
     for convention in ["matrix", "alpha", "blender", "blender_anisotropic", "openpbr", "materialx", "khr"]:
@@ -192,10 +202,6 @@ def record(taut, folder):
     if (ASSETS / "anim").is_dir():
         run(taut, "export", ASSETS / "anim/khronos/CesiumMan.glb", "--frames", "1,12", "-q",
             *sum((["-o", folder / ("man.####." + kind)] for kind in EXPORTS), []))
-    for file in sorted(p for p in folder.iterdir() if p.name.startswith(("body.", "man."))):
-        rows.append((file.name, hashlib.sha256(file.read_bytes()).hexdigest()[:32]))
-    (folder / "hashes.tsv").write_text("".join("%s\t%s\n" % row for row in rows))
-    print("%d pictures, %d files" % (sum(n.endswith(".exr") for n, _ in rows), sum(not n.endswith(".exr") for n, _ in rows)))
 
 
 def largest_difference(a, b):
@@ -205,6 +211,7 @@ def largest_difference(a, b):
 
 
 def compare(one, two):
+    """Pictures that both have recorded, and what only one has."""
     tables = [dict(line.split("\t") for line in (folder / "hashes.tsv").read_text().splitlines()) for folder in (one, two)]
     differ = [name for name in tables[0] if tables[0][name] != tables[1].get(name)] + [n for n in tables[1] if n not in tables[0]]
     for name in differ:
@@ -220,6 +227,6 @@ def compare(one, two):
 if __name__ == "__main__":
     if len(sys.argv) == 4 and sys.argv[1] == "--compare":
         sys.exit(compare(pathlib.Path(sys.argv[2]), pathlib.Path(sys.argv[3])))
-    if len(sys.argv) != 3:
+    if len(sys.argv) not in (3, 4):
         sys.exit(__doc__)
-    record(pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve())
+    record(pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve(), sys.argv[3] if len(sys.argv) > 3 else "")
