@@ -1,4 +1,5 @@
 #include "taut/deform/animation.h"
+#include "taut/formats/gltf.h"
 
 #include "assets.h"
 

@@ -3,7 +3,7 @@
 #include "assets.h"
 #include "render_fixtures.h"
 
-#include "taut/render/render_frame.h"
+#include "taut/render/frame_render.h"
 #include "taut/scene/load_scene.h"
 
 #include <catch2/catch.hpp>

@@ -18,7 +18,7 @@ function(run what)
 endfunction()
 
 run("installing" "${CMAKE_COMMAND}" --install "${BUILD}" --prefix "${prefix}")
-foreach(file include/taut/microsurface/ggx.h include/taut/render/render_frame.h)
+foreach(file include/taut/microsurface/ggx.h include/taut/render/frame_render.h)
     if(NOT EXISTS "${prefix}/${file}")
         message(FATAL_ERROR "${file} was not installed")
     endif()

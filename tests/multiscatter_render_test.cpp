@@ -24,7 +24,7 @@ double furnace(const Material &material, int spp, bool sun = false) {
         scene.lights = {light};
     }
     scene.render.maxEvents = 32;
-    const std::vector<float> image = renderImage(scene, 1, spp, {Aov::ShadingNormal, Aov::Position});
+    const std::vector<float> image = renderImage(scene, 1, spp, {"shading_normal", "position"});
     const DVec3 eye = scene.camera.position.first();
     double sum = 0;
     int count = 0;

@@ -2,7 +2,7 @@
 /// Small scenes made in code, and images of them, for tests of the renderer.
 
 #include "taut/mesh/shapes.h"
-#include "taut/render/render_frame.h"
+#include "taut/render/frame_render.h"
 
 #include <memory>
 
@@ -70,14 +70,14 @@ inline SurfaceFrame surfaceOf(const Object &object, double frame, double fps = 2
 }
 
 /// Renders one frame; interleaved channels of film.resolve().
-inline std::vector<float> renderImage(const Scene &scene, double frame, int spp, const std::vector<Aov> &aovs = {},
+inline std::vector<float> renderImage(const Scene &scene, double frame, int spp, const std::vector<std::string_view> &aovs = {},
                                       std::uint32_t seed = 1) {
     RenderScene ready(scene, false);
     StageTimes times;
     ready.setFrame(frame, times);
     FrameOptions options;
     options.spp = spp;
-    options.aovs = aovs;
+    options.aovs = aovsNamed(aovs, "aovs");
     options.seed = seed;
     const FrameResult result = renderFrame(ready, options);
     return result.film.resolve();

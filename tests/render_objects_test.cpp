@@ -4,6 +4,7 @@
 #include "render_fixtures.h"
 
 #include "taut/formats/write_mesh.h"
+#include "taut/render/pixel_filter.h"
 #include "taut/scene/load_scene.h"
 
 #include <catch2/catch.hpp>
@@ -158,7 +159,7 @@ TEST_CASE("A scene file's poisson reaches the gloss", "[render][rest]") {
     for (const auto &[poisson, expected] : {std::pair("0", 0.1F), std::pair("-1", 0.2F), std::pair("0.5", 0.025F)}) {
         Warnings warnings;
         const Scene scene = loadScene(folder + "/scene.toml", {std::string("material.m.poisson=") + poisson}, warnings);
-        const std::vector<float> image = renderImage(scene, 2, 2, {Aov::Alpha});
+        const std::vector<float> image = renderImage(scene, 2, 2, {"alpha"});
         const std::size_t centre = (8 * 16 + 8) * 7;
         INFO("poisson " << poisson); // lambda = 4^(-nu / (1 - nu)): 1, 2 and 1/4; alpha = 0.2 lambda / 2
         CHECK(image[centre + 4] == Approx(expected).epsilon(1e-4));

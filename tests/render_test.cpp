@@ -82,7 +82,7 @@ TEST_CASE("A constant scale is a placement: it changes no alpha", "[render][rest
         scene.objects[0].placement.scale = scale;
         scene.objects[0].deformers = {stretchDeformer(DVec3(1 + 1e-9))}; // keeps the object from the rigid short cut
         scene.camera.position = scene.camera.position.first() * cameraScale;
-        return renderImage(scene, 1, 4, {Aov::M, Aov::Stretch});
+        return renderImage(scene, 1, 4, {"m", "stretch"});
     };
     // Every stretch is 1, under uneven constant scales too.
     for (const DVec3 &scale : {DVec3(0.01), DVec3(100), DVec3(-1, 1, 1), DVec3(1, 3, 0.5)}) {
@@ -109,7 +109,7 @@ TEST_CASE("A keyed uniform stretch by 2 halves alpha where lambda = 1 and leaves
             }
             const Scene scene = smallScene(torus, material, 24);
             for (const auto &[frame, expected] : {std::pair(1.0, 0.2F), std::pair(2.0, poisson == 0 ? 0.1F : 0.2F)}) {
-                const std::vector<float> image = renderImage(scene, frame, 2, {Aov::Alpha});
+                const std::vector<float> image = renderImage(scene, frame, 2, {"alpha"});
                 int seen = 0;
                 for (std::size_t p = 0; p < image.size(); p += 7) {
                     if (image[p + 4] == 0) continue;
@@ -187,7 +187,7 @@ TEST_CASE("A curved surface looks as its analytic gradient says", "[render][equi
         twisted.deformers = {twist};
         const float shear = 0.5F * 2.0F;
         const EquivalentAlpha expected = equivalentAlpha(microTransform(1 / 0.2F, shear / 0.2F, 0, 1 / 0.2F));
-        const std::vector<float> image = renderImage(smallScene(twisted, ggxMaterial(0.2F, 0.2F)), 1, 16, {Aov::Alpha});
+        const std::vector<float> image = renderImage(smallScene(twisted, ggxMaterial(0.2F, 0.2F)), 1, 16, {"alpha"});
         int seen = 0;
         for (std::size_t p = 0; p < image.size(); p += 7) {
             if (image[p + 3] < 1 || image[p + 4] == 0) continue;
@@ -206,7 +206,7 @@ TEST_CASE("White furnace: a closed object with F = 1 loses what its microsurface
         Scene scene = smallScene(makeObject(makeSphere(256, 128, 0.8F)), single, 40);
         scene.lights.clear();
         scene.environment = constantEnvironment(Vec3(1));
-        const std::vector<float> image = renderImage(scene, 1, 1024, {Aov::ShadingNormal, Aov::Position});
+        const std::vector<float> image = renderImage(scene, 1, 1024, {"shading_normal", "position"});
         const DVec3 eye = scene.camera.position.first();
         double measured = 0;
         double expected = 0;
@@ -233,7 +233,7 @@ TEST_CASE("The same bits for one and two threads", "[render][determinism]") {
     const Scene scene = smallScene(torus, ggxMaterial(0.1F, 0.4F));
     const auto withThreads = [&](std::size_t threads) {
         const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-        return renderImage(scene, 1, 8, {Aov::Alpha, Aov::Position});
+        return renderImage(scene, 1, 8, {"alpha", "position"});
     };
     const std::vector<float> one = withThreads(1);
     CHECK(one == withThreads(2));

@@ -6,7 +6,7 @@
 #include "taut/base/error.h"
 #include "taut/render/image_file.h"
 #include "taut/render/memory_use.h"
-#include "taut/render/render_frame.h"
+#include "taut/render/frame_render.h"
 #include "study/replay.h"
 
 #include <tbb/global_control.h>

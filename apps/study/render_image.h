@@ -4,7 +4,7 @@
 #include "study/chart.h"
 
 #include "taut/plan/plan.h"
-#include "taut/render/render_frame.h"
+#include "taut/render/frame_render.h"
 #include "taut/scene/scene.h"
 
 #include <span>

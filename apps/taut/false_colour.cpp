@@ -38,9 +38,9 @@ std::size_t indexOf(const Image &image, const std::string &channel) {
 
 Aov aovOfChannel(const std::string &channel) {
     std::vector<std::string_view> names;
-    for (const AovInfo &info : aovInfos())
-        for (const std::string &name : info.channels) {
-            if (name == channel) return info.aov;
+    for (const AovInfo &info : aovTable())
+        for (const std::string_view name : info.channels) {
+            if (name == channel) return *findAov(info.name);
             names.push_back(name);
         }
     failUnknownName({"--false-colour"}, channel, names);

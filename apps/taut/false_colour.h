@@ -1,6 +1,8 @@
 #pragma once
 /// One channel of an image in colours that stay apart for every kind of sight.
 
+#include "taut/base/vec.h"
+#include "taut/render/aov.h"
 #include "taut/render/image_file.h"
 
 #include <string>

@@ -7,7 +7,7 @@
 #include "taut/base/frame_set.h"
 #include "taut/plan/gradient_field.h"
 #include "taut/render/image_file.h"
-#include "taut/render/render_frame.h"
+#include "taut/render/frame_render.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

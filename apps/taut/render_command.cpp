@@ -6,7 +6,7 @@
 
 #include "taut/base/frame_set.h"
 #include "taut/render/image_file.h"
-#include "taut/render/render_frame.h"
+#include "taut/render/frame_render.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -85,28 +85,6 @@ Window parseCrop(const std::string &text, const RenderSettings &render) {
     return window;
 }
 
-std::vector<Aov> parseAovs(const std::vector<std::string> &names) {
-    std::vector<Aov> aovs;
-    const auto add = [&](Aov aov) {
-        if (std::find(aovs.begin(), aovs.end(), aov) == aovs.end()) aovs.push_back(aov);
-    };
-    for (const std::string &name : names) {
-        if (name == "all") {
-            for (const AovInfo &info : aovInfos()) add(info.aov);
-            continue;
-        }
-        const auto found = std::find_if(aovInfos().begin(), aovInfos().end(), [&](const AovInfo &info) { return info.name == name; });
-        if (found == aovInfos().end()) {
-            std::vector<std::string_view> valid;
-            for (const AovInfo &info : aovInfos()) valid.push_back(info.name);
-            valid.emplace_back("all");
-            failUnknownName({"--aov"}, name, valid);
-        }
-        add(found->aov);
-    }
-    return aovs;
-}
-
 ProgressStyle parseProgress(const RenderArguments &arguments) {
     if (arguments.quiet) return ProgressStyle::None;
     if (arguments.progress.empty()) return isatty(STDERR_FILENO) != 0 ? ProgressStyle::Bar : ProgressStyle::Plain;
@@ -164,7 +142,8 @@ nlohmann::json toJson(const RayCounts &counts) {
 int render(RenderArguments &arguments) {
     const auto threads = limitThreads(arguments.scene.threads);
     const ProgressStyle style = parseProgress(arguments);
-    const std::vector<Aov> aovs = parseAovs(arguments.aovs);
+    const std::vector<std::string_view> aovNames(arguments.aovs.begin(), arguments.aovs.end());
+    const std::vector<Aov> aovs = aovsNamed(aovNames, "--aov");
     Scene scene = loadScene(arguments.scene, arguments.quiet);
     if (arguments.spp > 0) scene.render.spp = arguments.spp;
     if (arguments.seed) scene.render.seed = *arguments.seed;
@@ -198,7 +177,10 @@ int render(RenderArguments &arguments) {
         ready.setFrame(frame, sceneTimes);
         if (arguments.check) continue;
         options.seed = frameSeed(scene.render.seed, frame, scene.render.fixedSeed);
-        options.progress = [&](double share) { progress.update(share); };
+        options.progress = [&](double share) {
+            progress.update(share);
+            return true;
+        };
         FrameResult result = renderFrame(ready, options);
         sceneTimes += result.times;
         const double setup = sceneTimes.deformation + sceneTimes.gradient + sceneTimes.bvh;

@@ -1,7 +1,11 @@
 #include "taut/render/adaptive.h"
 
+#include "taut/base/error.h"
+
 #include <algorithm>
 #include <cmath>
+#include <istream>
+#include <ostream>
 
 namespace taut {
 
@@ -92,6 +96,44 @@ void AdaptiveBlocks::decide() {
     }
     ++decisions_;
     last_ = decisions_ < kDecisions ? std::min(most_, static_cast<int>(std::lround(first_ * growth_))) : most_;
+}
+
+void AdaptiveBlocks::save(std::ostream &out) const {
+    const std::array<std::int64_t, 5> numbers{first_, last_, decisions_, static_cast<std::int64_t>(noise_.size()),
+                                              static_cast<std::int64_t>(active_.size())};
+    out.write(reinterpret_cast<const char *>(numbers.data()), sizeof numbers);
+    out.write(reinterpret_cast<const char *>(floor_.data()), sizeof floor_);
+    for (const BlockNoise &noise : noise_) {
+        const std::array<double, 3> values{noise.variance, noise.luminance, static_cast<double>(noise.samples)};
+        out.write(reinterpret_cast<const char *>(values.data()), sizeof values);
+    }
+    out.write(reinterpret_cast<const char *>(active_.data()), static_cast<std::streamsize>(active_.size() * sizeof(Index)));
+}
+
+void AdaptiveBlocks::load(std::istream &in) {
+    std::array<std::int64_t, 5> numbers{};
+    const auto read = [&](void *to, std::size_t bytes) {
+        if (!in.read(static_cast<char *>(to), static_cast<std::streamsize>(bytes)))
+            throw InputError("saved frame: found its end early, expected the noise of its blocks");
+    };
+    read(numbers.data(), sizeof numbers);
+    const auto [first, last, decisions, blocks, active] = numbers;
+    if (blocks != static_cast<std::int64_t>(noise_.size()) || active < 0 || active > blocks || first < 0 || first > last || last > most_ ||
+        decisions < 0 || decisions > kDecisions)
+        throw InputError("saved frame: found blocks of another frame, expected those of this one");
+    read(floor_.data(), sizeof floor_);
+    for (BlockNoise &noise : noise_) {
+        std::array<double, 3> values{};
+        read(values.data(), sizeof values);
+        noise = {values[0], values[1], static_cast<int>(values[2])};
+    }
+    active_.resize(static_cast<std::size_t>(active));
+    read(active_.data(), active_.size() * sizeof(Index));
+    for (const Index block : active_)
+        if (block >= noise_.size()) throw InputError("saved frame: found a block that is none, expected one of its window");
+    first_ = static_cast<int>(first);
+    last_ = static_cast<int>(last);
+    decisions_ = static_cast<int>(decisions);
 }
 
 double AdaptiveBlocks::done() const {

@@ -14,6 +14,7 @@
 #include "taut/render/film.h"
 
 #include <array>
+#include <iosfwd>
 
 namespace taut {
 
@@ -46,6 +47,10 @@ class AdaptiveBlocks {
     void report(Index block, const BlockNoise &noise) { noise_[block] = noise; }
     /// After the pass: who goes on.
     void decide();
+
+    /// What has been decided and found so far, to go on elsewhere. load() throws InputError where that is damaged or of another frame.
+    void save(std::ostream &out) const;
+    void load(std::istream &in);
 
     /// Share of the work that is surely done, for progress.
     [[nodiscard]] double done() const;

@@ -1,8 +1,21 @@
 #include "taut/render/aov.h"
 
+#include "taut/base/error.h"
+#include "taut/render/shading.h"
+
+#include <algorithm>
+
 namespace taut {
 
 namespace {
+
+void put(float *out, const Vec2 &v) {
+    out[0] = v.x;
+    out[1] = v.y;
+}
+void put(float *out, const Vec3 &v) {
+    for (int c = 0; c < 3; ++c) out[c] = v[c];
+}
 
 Vec3 worldPoint(const RenderScene &scene, const Vec3 &p) {
     return Vec3(DVec3(scene.worldFromRender() * glm::dvec4(DVec3(p), 1)));
@@ -20,45 +33,92 @@ Vec3 restPosition(const SurfacePoint &point) {
            at(point.corners.z) * point.barycentrics.z;
 }
 
-/// M turned from the shading frame into the frame of the rotated tangent.
+/// M in the frame whose x is the rotated tangent R t0 (polar decomposition A = V R) and whose z is the shading normal on the viewer's
+/// side.
 MicroTransform inTangentFrame(const SurfacePoint &point) {
     const MicroTransform &m = point.bsdf.micro;
     const Vec2 t = point.tangent;
     return microTransform(t.x * m.a, t.x * m.b + t.y * m.d, -t.y * m.a, t.x * m.d - t.y * m.b);
 }
 
+const std::vector<AovInfo> kTable{
+    {"depth", {"Z"}, [](const RenderScene &, const SurfacePoint &p, float *out) { *out = -p.position.z; }},
+    {"albedo", {"Albedo.R", "Albedo.G", "Albedo.B"}, [](const RenderScene &, const SurfacePoint &p, float *out) { put(out, p.baseColor); }},
+    {"normal",
+     {"N.X", "N.Y", "N.Z"},
+     [](const RenderScene &s, const SurfacePoint &p, float *out) { put(out, worldVector(s, p.geometricNormal)); }},
+    {"shading_normal",
+     {"Ns.X", "Ns.Y", "Ns.Z"},
+     [](const RenderScene &s, const SurfacePoint &p, float *out) { put(out, worldVector(s, p.frame.n)); }},
+    {"position",
+     {"P.X", "P.Y", "P.Z"},
+     [](const RenderScene &s, const SurfacePoint &p, float *out) { put(out, worldPoint(s, p.position)); }},
+    {"rest_position",
+     {"Pref.X", "Pref.Y", "Pref.Z"},
+     [](const RenderScene &, const SurfacePoint &p, float *out) { put(out, restPosition(p)); }},
+    {"uv", {"u", "v"}, [](const RenderScene &, const SurfacePoint &p, float *out) { put(out, p.uv); }},
+    {"m", // upper triangular
+     {"M.a", "M.b", "M.d"},
+     [](const RenderScene &, const SurfacePoint &p, float *out) {
+         const MicroTransform m = inTangentFrame(p);
+         put(out, Vec3(m.a, m.b, m.d));
+     }},
+    {"stretch", // singular values of A
+     {"Stretch.max", "Stretch.min"},
+     [](const RenderScene &, const SurfacePoint &p, float *out) {
+         put(out, singularValues(p.stretch.x, p.stretch.y, p.stretch.y, p.stretch.z));
+     }},
+    {"alpha", // phi from the rotated tangent, radians
+     {"AlphaMax", "AlphaMin", "AlphaPhi"},
+     [](const RenderScene &, const SurfacePoint &p, float *out) {
+         const EquivalentAlpha alpha = equivalentAlpha(inTangentFrame(p));
+         put(out, Vec3(alpha.max, alpha.min, alpha.phi));
+     }},
+};
+
 } // namespace
 
-void writeAovs(const RenderScene &scene, const SurfacePoint &point, std::span<const Aov> aovs, float *out) {
-    const MicroTransform m = inTangentFrame(point);
-    const auto put3 = [&](const Vec3 &v) {
-        for (int c = 0; c < 3; ++c) *out++ = v[c];
+std::span<const AovInfo> aovTable() {
+    return kTable;
+}
+
+const AovInfo &infoOf(Aov aov) {
+    return kTable[static_cast<std::size_t>(aov)];
+}
+
+std::optional<Aov> findAov(std::string_view name) {
+    for (std::size_t i = 0; i < kTable.size(); ++i)
+        if (kTable[i].name == name) return static_cast<Aov>(i);
+    return std::nullopt;
+}
+
+std::vector<Aov> aovsNamed(std::span<const std::string_view> names, std::string_view option) {
+    std::vector<Aov> aovs;
+    const auto add = [&](Aov aov) {
+        if (std::find(aovs.begin(), aovs.end(), aov) == aovs.end()) aovs.push_back(aov);
     };
+    for (const std::string_view name : names) {
+        if (name == "all") {
+            for (std::size_t i = 0; i < kTable.size(); ++i) add(static_cast<Aov>(i));
+            continue;
+        }
+        const std::optional<Aov> aov = findAov(name);
+        if (!aov) {
+            std::vector<std::string_view> valid;
+            for (const AovInfo &info : kTable) valid.push_back(info.name);
+            valid.emplace_back("all");
+            failUnknownName({std::string(option)}, name, valid);
+        }
+        add(*aov);
+    }
+    return aovs;
+}
+
+void writeAovs(const RenderScene &scene, const SurfacePoint &point, std::span<const Aov> aovs, float *out) {
     for (const Aov aov : aovs) {
-        switch (aov) {
-        case Aov::Depth: *out++ = -point.position.z; break;
-        case Aov::Albedo: put3(point.baseColor); break;
-        case Aov::Normal: put3(worldVector(scene, point.geometricNormal)); break;
-        case Aov::ShadingNormal: put3(worldVector(scene, point.frame.n)); break;
-        case Aov::Position: put3(worldPoint(scene, point.position)); break;
-        case Aov::RestPosition: put3(restPosition(point)); break;
-        case Aov::Uv:
-            *out++ = point.uv.x;
-            *out++ = point.uv.y;
-            break;
-        case Aov::M: put3({m.a, m.b, m.d}); break;
-        case Aov::Stretch: {
-            const Vec2 sigma = singularValues(point.stretch.x, point.stretch.y, point.stretch.y, point.stretch.z);
-            *out++ = sigma.x;
-            *out++ = sigma.y;
-            break;
-        }
-        case Aov::Alpha: {
-            const EquivalentAlpha alpha = equivalentAlpha(m);
-            put3({alpha.max, alpha.min, alpha.phi});
-            break;
-        }
-        }
+        const AovInfo &info = infoOf(aov);
+        info.write(scene, point, out);
+        out += info.channels.size();
     }
 }
 

@@ -1,77 +1,54 @@
 #include "taut/render/film.h"
 
+#include "taut/base/error.h"
+
 #include <algorithm>
 #include <array>
+#include <istream>
+#include <ostream>
 
 namespace taut {
 
 namespace {
 
-/// Inverse of the Blackman-Harris window's integral over [-1, 1], by symmetry of its upper half: the offset as a function of
-/// sqrt(1 - |2 u - 1|), which spends steps on the flat tail, tabulated.
-class BlackmanHarris {
-  public:
-    BlackmanHarris() {
-        constexpr int kFine = 1 << 14;
-        std::vector<double> above(kFine + 1, 0.0); // integral from x = i / kFine to the end, of the half window
-        for (int i = kFine - 1; i >= 0; --i)
-            above[static_cast<std::size_t>(i)] = above[static_cast<std::size_t>(i) + 1] + window(0.5 + 0.5 * (i + 0.5) / kFine);
-        std::size_t at = kFine - 1;
-        for (int i = 0; i <= kSteps; ++i) {
-            const double target = above[0] * i * i / (static_cast<double>(kSteps) * kSteps);
-            while (at > 0 && above[at] < target) --at;
-            const double within = (above[at] - target) / (above[at] - above[at + 1]);
-            offset_[static_cast<std::size_t>(i)] = static_cast<float>((static_cast<double>(at) + within) / kFine);
-        }
-    }
-    [[nodiscard]] float sample(float u) const {
-        const float centred = 2 * u - 1;
-        const float x = std::sqrt(1 - std::fabs(centred)) * kSteps;
-        const auto i = static_cast<std::size_t>(x);
-        return std::copysign(glm::mix(offset_[i], offset_[i + 1], x - static_cast<float>(i)), centred);
-    }
+constexpr std::string_view kMagic = "taut film 1\n";
+/// Pixels whose sums are read or written at once.
+constexpr std::size_t kBlock = 4096;
 
-  private:
-    static constexpr int kSteps = 1024;
-    static double window(double x) { // Harris 1978, minimum four-term window
-        const double w = 6.283185307179586 * x;
-        return 0.35875 - 0.48829 * std::cos(w) + 0.14128 * std::cos(2 * w) - 0.01168 * std::cos(3 * w);
-    }
-    std::array<float, kSteps + 2> offset_{};
-};
-const BlackmanHarris kBlackmanHarris;
+static_assert(std::endian::native == std::endian::little, "films are written in the machine's order");
 
-constexpr float kFilterRadius = 1.5F;
+template <class T> void writeRaw(std::ostream &out, const T *values, std::size_t count) {
+    out.write(reinterpret_cast<const char *>(values), static_cast<std::streamsize>(count * sizeof(T)));
+}
+
+template <class T> void readRaw(std::istream &in, T *values, std::size_t count) {
+    if (!in.read(reinterpret_cast<char *>(values), static_cast<std::streamsize>(count * sizeof(T))))
+        throw InputError("film: found its end early, expected as many sums as its head says");
+}
+
+/// Appends `count` values from the stream; memory grows with what is really there.
+template <class T> void appendRaw(std::istream &in, std::size_t count, std::vector<T> &values) {
+    for (std::size_t done = 0; done < count; done += kBlock) {
+        const std::size_t block = std::min(kBlock, count - done);
+        values.resize(values.size() + block);
+        readRaw(in, values.data() + values.size() - block, block);
+    }
+}
 
 } // namespace
 
-const std::vector<AovInfo> &aovInfos() {
-    static const std::vector<AovInfo> infos{
-        {Aov::Depth, "depth", {"Z"}},
-        {Aov::Albedo, "albedo", {"Albedo.R", "Albedo.G", "Albedo.B"}},
-        {Aov::Normal, "normal", {"N.X", "N.Y", "N.Z"}},
-        {Aov::ShadingNormal, "shading_normal", {"Ns.X", "Ns.Y", "Ns.Z"}},
-        {Aov::Position, "position", {"P.X", "P.Y", "P.Z"}},
-        {Aov::RestPosition, "rest_position", {"Pref.X", "Pref.Y", "Pref.Z"}},
-        {Aov::Uv, "uv", {"u", "v"}},
-        {Aov::M, "m", {"M.a", "M.b", "M.d"}},
-        {Aov::Stretch, "stretch", {"Stretch.max", "Stretch.min"}},
-        {Aov::Alpha, "alpha", {"AlphaMax", "AlphaMin", "AlphaPhi"}},
-    };
-    return infos;
-}
-
 Film::Film(const Window &window, const std::vector<Aov> &aovs) : window_(window), aovs_(aovs) {
-    for (const Aov aov : aovs_) aovChannels_ += static_cast<int>(aovInfos()[static_cast<std::size_t>(aov)].channels.size());
-    stride_ = 5 + aovChannels_;
-    counts_.assign(static_cast<std::size_t>(window.width()) * static_cast<std::size_t>(window.height()), 0);
-    sums_.assign(counts_.size() * static_cast<std::size_t>(stride_), 0.0);
+    for (const Aov aov : aovs_) stride_ += infoOf(aov).channels.size();
+    const std::size_t pixels = window.empty() ? 0 : static_cast<std::size_t>(window.width()) * static_cast<std::size_t>(window.height());
+    counts_.assign(pixels, 0);
+    hits_.assign(pixels, 0);
+    sums_.assign(pixels * stride_, {});
 }
 
 std::vector<std::string> Film::channelNames() const {
     std::vector<std::string> names{"R", "G", "B", "A"};
     for (const Aov aov : aovs_) {
-        const auto &channels = aovInfos()[static_cast<std::size_t>(aov)].channels;
+        const auto &channels = infoOf(aov).channels;
         names.insert(names.end(), channels.begin(), channels.end());
     }
     return names;
@@ -80,12 +57,40 @@ std::vector<std::string> Film::channelNames() const {
 void Film::add(int x, int y, const Vec3 &radiance, float alpha, const float *aovs) {
     const std::size_t pixel = pixelAt(x, y);
     ++counts_[pixel];
-    double *sum = &sums_[pixel * static_cast<std::size_t>(stride_)];
-    for (int c = 0; c < 3; ++c) sum[c] += static_cast<double>(radiance[c]);
-    sum[3] += static_cast<double>(alpha);
+    ExactSum *sum = &sums_[pixel * stride_];
+    for (int c = 0; c < 3; ++c) sum[c].add(radiance[c]);
+    sum[3].add(alpha);
     if (aovs == nullptr) return;
-    sum[4] += 1;
-    for (int c = 0; c < aovChannels_; ++c) sum[5 + c] += static_cast<double>(aovs[c]);
+    ++hits_[pixel];
+    for (std::size_t c = 4; c < stride_; ++c) sum[c].add(aovs[c - 4]);
+}
+
+void Film::merge(const Film &other) {
+    if (other.aovs_ != aovs_) throw InputError("film: found a film with other AOVs, expected the same ones to merge");
+    if (!window_.contains(other.window_)) {
+        Film both(unionOf(window_, other.window_), aovs_);
+        both.merge(*this);
+        *this = std::move(both);
+    }
+    for (int y = other.window_.y0; y < other.window_.y1; ++y)
+        for (int x = other.window_.x0; x < other.window_.x1; ++x) {
+            const std::size_t from = other.pixelAt(x, y);
+            const std::size_t to = pixelAt(x, y);
+            counts_[to] += other.counts_[from];
+            hits_[to] += other.hits_[from];
+            for (std::size_t c = 0; c < stride_; ++c) sums_[to * stride_ + c].add(other.sums_[from * stride_ + c]);
+        }
+}
+
+void Film::copy(const Film &from, const Window &part) {
+    const auto width = static_cast<std::size_t>(part.width());
+    for (int y = part.y0; y < part.y1; ++y) {
+        const std::size_t source = from.pixelAt(part.x0, y);
+        const std::size_t target = pixelAt(part.x0, y);
+        std::copy_n(&from.counts_[source], width, &counts_[target]);
+        std::copy_n(&from.hits_[source], width, &hits_[target]);
+        std::copy_n(&from.sums_[source * stride_], width * stride_, &sums_[target * stride_]);
+    }
 }
 
 int Film::samples() const {
@@ -99,27 +104,76 @@ double Film::meanSamples() const {
 }
 
 double Film::luminanceSum(int x, int y) const {
-    const double *sum = &sums_[pixelAt(x, y) * static_cast<std::size_t>(stride_)];
-    return 0.2126 * sum[0] + 0.7152 * sum[1] + 0.0722 * sum[2];
+    const ExactSum *sum = &sums_[pixelAt(x, y) * stride_];
+    return 0.2126 * sum[0].value() + 0.7152 * sum[1].value() + 0.0722 * sum[2].value();
 }
 
 std::vector<float> Film::resolve() const {
-    const std::size_t pixels = counts_.size();
-    const int channels = 4 + aovChannels_;
     std::vector<float> values;
-    values.reserve(pixels * static_cast<std::size_t>(channels));
-    for (std::size_t p = 0; p < pixels; ++p) {
+    values.reserve(sums_.size());
+    for (std::size_t p = 0; p < counts_.size(); ++p) {
+        const ExactSum *sum = &sums_[p * stride_];
         const double inverse = counts_[p] > 0 ? 1.0 / counts_[p] : 0.0;
-        const double *sum = &sums_[p * static_cast<std::size_t>(stride_)];
-        for (int c = 0; c < 4; ++c) values.push_back(static_cast<float>(sum[c] * inverse));
-        for (int c = 0; c < aovChannels_; ++c) values.push_back(sum[4] > 0 ? static_cast<float>(sum[5 + c] / sum[4]) : 0.0F);
+        for (std::size_t c = 0; c < 4; ++c) values.push_back(static_cast<float>(sum[c].value() * inverse));
+        for (std::size_t c = 4; c < stride_; ++c) values.push_back(hits_[p] > 0 ? static_cast<float>(sum[c].value() / hits_[p]) : 0.0F);
     }
     return values;
 }
 
-Vec2 sampleFilter(bool box, const Vec2 &u) {
-    if (box) return u - Vec2(0.5F);
-    return Vec2(kBlackmanHarris.sample(u.x), kBlackmanHarris.sample(u.y)) * kFilterRadius;
+void Film::save(std::ostream &out) const {
+    out << kMagic;
+    for (const Aov aov : aovs_) out << infoOf(aov).name << ' ';
+    out << '\n';
+    const std::array<std::int32_t, 4> window{window_.x0, window_.y0, window_.x1, window_.y1};
+    writeRaw(out, window.data(), window.size());
+    writeRaw(out, counts_.data(), counts_.size());
+    writeRaw(out, hits_.data(), hits_.size());
+    std::vector<std::uint64_t> words;
+    for (std::size_t begin = 0; begin < sums_.size(); begin += kBlock) {
+        words.clear();
+        for (std::size_t i = begin; i < std::min(begin + kBlock, sums_.size()); ++i) {
+            words.push_back(sums_[i].low());
+            words.push_back(static_cast<std::uint64_t>(sums_[i].high()));
+        }
+        writeRaw(out, words.data(), words.size());
+    }
+}
+
+Film Film::load(std::istream &in) {
+    std::string magic(kMagic.size(), ' ');
+    if (!in.read(magic.data(), static_cast<std::streamsize>(magic.size())) || magic != kMagic)
+        throw InputError("film: found other bytes at its begin, expected 'taut film 1'");
+    std::vector<Aov> aovs;
+    std::string name;
+    for (int c = in.get(); c != '\n'; c = in.get()) {
+        if (c == std::istream::traits_type::eof() || name.size() > 64) throw InputError("film: found no end of the names of its AOVs");
+        if (c != ' ') {
+            name += static_cast<char>(c);
+            continue;
+        }
+        const std::string_view view = name;
+        aovs.push_back(aovsNamed({&view, 1}, "film").front());
+        name.clear();
+    }
+    std::array<std::int32_t, 4> w{};
+    readRaw(in, w.data(), w.size());
+    const Window window{w[0], w[1], w[2], w[3]};
+    constexpr int kMost = 1 << 20;
+    const bool inRange = std::all_of(w.begin(), w.end(), [](int v) { return v >= 0 && v <= kMost; });
+    if (!inRange || window.width() < 0 || window.height() < 0) throw InputError("film: found a window that is none, expected x0 y0 x1 y1");
+    Film film({}, aovs);
+    film.window_ = window;
+    const auto pixels = static_cast<std::size_t>(window.width()) * static_cast<std::size_t>(window.height());
+    appendRaw(in, pixels, film.counts_);
+    appendRaw(in, pixels, film.hits_);
+    std::vector<std::uint64_t> words;
+    for (std::size_t done = 0; done < pixels * film.stride_; done += kBlock) {
+        const std::size_t block = std::min(kBlock, pixels * film.stride_ - done);
+        words.resize(2 * block);
+        readRaw(in, words.data(), words.size());
+        for (std::size_t i = 0; i < block; ++i) film.sums_.emplace_back(words[2 * i], static_cast<std::int64_t>(words[2 * i + 1]));
+    }
+    return film;
 }
 
 } // namespace taut

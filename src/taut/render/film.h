@@ -1,71 +1,66 @@
 #pragma once
-/// Pixel sums. Each pixel's samples are added in sample order, in double, by the one thread that has its tile: the same bits for
-/// any number of threads, tile order or split into passes.
+/// Pixel sums. Sums are exact (base/exact_sum.h), so a pixel is the same bits for any order of its samples and any split of samples or
+/// pixels over threads, passes, films, processes and machines. Films can be read, saved, restored and merged at any time.
 
+#include "taut/base/exact_sum.h"
 #include "taut/base/vec.h"
+#include "taut/render/aov.h"
+#include "taut/render/window.h"
 
+#include <iosfwd>
 #include <string>
-#include <string_view>
 #include <vector>
 
 namespace taut {
 
-/// Arbitrary output variables beside the colour, by their names on the command line.
-enum class Aov : std::uint8_t { Depth, Albedo, Normal, ShadingNormal, Position, RestPosition, Uv, M, Stretch, Alpha };
-
-struct AovInfo {
-    Aov aov;
-    std::string_view name;             ///< on the command line
-    std::vector<std::string> channels; ///< in the EXR
-};
-const std::vector<AovInfo> &aovInfos();
-
-/// The pixels [x0, x1) x [y0, y1) of a frame of width x height; rows from the top.
-struct Window {
-    int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
-    [[nodiscard]] int width() const { return x1 - x0; }
-    [[nodiscard]] int height() const { return y1 - y0; }
-};
-
 /// Sums over samples; channels R G B A and those of the AOVs, interleaved. AOVs are averaged over the samples that hit a surface.
-/// Pixels may have different numbers of samples.
+/// Pixels may have different numbers of samples. Not for writing by several threads into one pixel.
 class Film {
   public:
     Film(const Window &window, const std::vector<Aov> &aovs);
 
     [[nodiscard]] const Window &window() const { return window_; }
     [[nodiscard]] const std::vector<Aov> &aovs() const { return aovs_; }
-    [[nodiscard]] int aovChannels() const { return aovChannels_; }
+    [[nodiscard]] int aovChannels() const { return static_cast<int>(stride_) - 4; }
     [[nodiscard]] std::vector<std::string> channelNames() const;
 
     /// Adds one sample of pixel (x, y); `aovs` has aovChannels() values, or is null where the sample hit nothing.
     void add(int x, int y, const Vec3 &radiance, float alpha, const float *aovs);
+    /// Adds the samples of another film; the window grows to hold both. Whose samples those are is the caller's to know: a sample that
+    /// is in both counts twice. Throws InputError where the AOVs are others.
+    void merge(const Film &other);
+    /// Takes over the pixels of a part, which both films have.
+    void copy(const Film &from, const Window &part);
 
+    [[nodiscard]] std::uint32_t samplesAt(int x, int y) const { return counts_[pixelAt(x, y)]; }
     /// Samples of the pixel that has most of them.
     [[nodiscard]] int samples() const;
     /// Samples a pixel, on average.
     [[nodiscard]] double meanSamples() const;
     /// Sum over the samples of a pixel of 0.2126 R + 0.7152 G + 0.0722 B.
     [[nodiscard]] double luminanceSum(int x, int y) const;
-    /// Means, interleaved, in channelNames() order.
+    /// Means, interleaved, in channelNames() order; 0 where there is no sample.
     [[nodiscard]] std::vector<float> resolve() const;
+
+    /// Writes all sums and counts, little-endian, so that load() gives the same film back.
+    void save(std::ostream &out) const;
+    /// Reads what save() wrote. Throws InputError where it is damaged or ends early, and takes no more memory than there are bytes.
+    static Film load(std::istream &in);
+
+    bool operator==(const Film &) const = default;
 
   private:
     Window window_;
     std::vector<Aov> aovs_;
-    int aovChannels_ = 0;
-    int stride_ = 0;                    ///< 5 + aovChannels_: R G B A, hits, AOVs
+    std::size_t stride_ = 4;            ///< R G B A, AOVs
     std::vector<std::uint32_t> counts_; // [pixels] samples
-    std::vector<double> sums_;
+    std::vector<std::uint32_t> hits_;   // [pixels] of them that hit a surface
+    std::vector<ExactSum> sums_;        // [pixels x stride]
 
     [[nodiscard]] std::size_t pixelAt(int x, int y) const {
         return static_cast<std::size_t>(y - window_.y0) * static_cast<std::size_t>(window_.width()) +
                static_cast<std::size_t>(x - window_.x0);
     }
 };
-
-/// Offset of a sample from its pixel's centre, importance sampled from the reconstruction filter (Ernst, Stamminger & Greiner
-/// 2006): box of one pixel, or Blackman-Harris of radius 1.5 pixels.
-Vec2 sampleFilter(bool box, const Vec2 &u);
 
 } // namespace taut

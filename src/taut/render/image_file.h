@@ -1,7 +1,7 @@
 #pragma once
 /// Image files: scene-linear float EXR and sRGB PNG, written beside their name and renamed when whole.
 
-#include "taut/render/film.h"
+#include "taut/render/window.h"
 
 #include <string>
 #include <utility>

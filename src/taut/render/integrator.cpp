@@ -441,10 +441,15 @@ void PathTracer::State::testShadows() {
         if (blocked[i] == 0) paths[shadowTests[i].path].radiance += shadowTests[i].contribution;
 }
 
-void PathTracer::traceTile(const Window &tile, int firstSample, int lastSample, Film &film, StageTimes &times, RayCounts &counts) {
+int PathTracer::samplesABatch(const Window &tile) {
+    return std::max(1, kMostPaths / std::max(1, tile.width() * tile.height()));
+}
+
+bool PathTracer::traceTile(const Window &tile, int firstSample, int lastSample, const FilmAccess &access, StageTimes &times,
+                           RayCounts &counts) {
     State &s = *state_;
-    const int pixels = tile.width() * tile.height();
-    const int step = std::max(1, kMostPaths / std::max(1, pixels));
+    const int step = samplesABatch(tile);
+    Film &film = access.film;
     const int aovChannels = film.aovChannels();
     for (int first = firstSample; first < lastSample; first += step) {
         auto clock = std::chrono::steady_clock::now();
@@ -452,6 +457,7 @@ void PathTracer::traceTile(const Window &tile, int firstSample, int lastSample, 
         s.aovs.assign(s.paths.size() * static_cast<std::size_t>(aovChannels), 0.0F);
         counts.paths += s.paths.size();
         for (int event = 0; !s.active.empty(); ++event) {
+            if (access.stop.load(std::memory_order_relaxed)) return false;
             (event == 0 ? counts.camera : counts.scattered) += s.rays.size();
             if (s.settings.record != nullptr) {
                 auto &into = event == 0 ? s.settings.record->camera : s.settings.record->scattered;
@@ -469,6 +475,7 @@ void PathTracer::traceTile(const Window &tile, int firstSample, int lastSample, 
             s.testShadows();
             times.shadowRays += secondsSince(clock);
         }
+        const std::lock_guard lock(access.lock);
         for (std::size_t i = 0; i < s.paths.size(); ++i) {
             Path &path = s.paths[i];
             if (!isFinite(path.radiance)) {
@@ -480,6 +487,7 @@ void PathTracer::traceTile(const Window &tile, int firstSample, int lastSample, 
         }
         times.film += secondsSince(clock);
     }
+    return true;
 }
 
 } // namespace taut

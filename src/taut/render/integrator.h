@@ -6,7 +6,9 @@
 #include "taut/render/film.h"
 #include "taut/render/shading.h"
 
+#include <atomic>
 #include <memory>
+#include <mutex>
 #include <span>
 
 namespace taut {
@@ -32,14 +34,24 @@ struct TraceSettings {
     bool oneByOne = false; ///< shade no hits at once (hit_lanes.h): to measure, and to test that nothing changes
 };
 
+/// A film that others may read meanwhile, and a flag that others may set to stop.
+struct FilmAccess {
+    Film &film;
+    std::mutex &lock; ///< of the tile's pixels
+    const std::atomic<bool> &stop;
+};
+
 /// Working memory of one thread; reused from tile to tile.
 class PathTracer {
   public:
     PathTracer(const RenderScene &scene, const std::vector<PreparedMaterial> &materials, const TraceSettings &settings);
     ~PathTracer();
 
-    /// Traces samples [firstSample, lastSample) of the pixels of `tile` and adds them to the film.
-    void traceTile(const Window &tile, int firstSample, int lastSample, Film &film, StageTimes &times, RayCounts &counts);
+    /// Samples a pixel of `tile` that are traced together.
+    static int samplesABatch(const Window &tile);
+    /// Traces samples [firstSample, lastSample) of the pixels of `tile` and adds them to the film, batch by batch. False where it was
+    /// stopped: the batch under way is dropped, those before are in the film.
+    bool traceTile(const Window &tile, int firstSample, int lastSample, const FilmAccess &access, StageTimes &times, RayCounts &counts);
 
   private:
     struct State;

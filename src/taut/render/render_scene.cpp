@@ -1,5 +1,6 @@
 #include "taut/render/render_scene.h"
 
+#include "taut/base/error.h"
 #include "taut/base/stopwatch.h"
 #include "taut/deform/stored_gloss.h"
 
@@ -36,8 +37,8 @@ Vec3 vectorToRender(const DMat4 &renderFromWorld, const DVec3 &v) {
 /// Whether an object may be somewhere else at another time.
 bool moves(const Object &object) {
     const Placement &p = object.placement;
-    return object.rig || object.points || !object.deformers.empty() || !p.translation.isConstant() ||
-           !p.rotation.isConstant() || !p.scale.isConstant();
+    return object.rig || object.points || !object.deformers.empty() || !p.translation.isConstant() || !p.rotation.isConstant() ||
+           !p.scale.isConstant();
 }
 
 /// The inverse of a rigid motion, written out: exact to rounding.
@@ -67,8 +68,18 @@ StageTimes &StageTimes::operator+=(const StageTimes &other) {
     return *this;
 }
 
-RenderScene::RenderScene(const Scene &scene, ScenePlan plan, bool animated)
-    : scene_(&scene), plan_(std::move(plan)), objects_(scene.objects.size()) {
+RenderScene::RenderScene(Scene scene, bool animated) : scene_(std::move(scene)), plan_(defaultPlan(scene_)) {
+    prepare(animated);
+}
+
+RenderScene::RenderScene(Scene scene, ScenePlan plan, bool animated) : scene_(std::move(scene)), plan_(std::move(plan)) {
+    prepare(animated);
+}
+
+void RenderScene::prepare(bool animated) {
+    const Scene &scene = scene_;
+    objects_ = std::vector<RenderObject>(scene.objects.size());
+    changed_.assign(objects_.size(), 1);
     std::vector<DeformingMesh> deforming;
     for (std::size_t i = 0; i < objects_.size(); ++i) {
         const Object &object = scene.objects[i];
@@ -84,11 +95,11 @@ RenderScene::RenderScene(const Scene &scene, ScenePlan plan, bool animated)
 
 void RenderScene::moveCamera(double frame, const DMat4 &renderFromWorld) {
     cameraSteps_.assign(1, Affine(1));
-    if (!(scene_->render.shutter > 0)) return;
-    const auto count = static_cast<std::size_t>(scene_->render.motionSteps);
+    if (!(scene_.render.shutter > 0)) return;
+    const auto count = static_cast<std::size_t>(scene_.render.motionSteps);
     cameraSteps_.clear();
     for (std::size_t step = 0; step < count; ++step) {
-        const CameraState there = cameraAtFrame(scene_->camera, frameOfStep(scene_->render, frame, step, count), scene_->render.fps);
+        const CameraState there = cameraAtFrame(scene_.camera, frameOfStep(scene_.render, frame, step, count), scene_.render.fps);
         cameraSteps_.emplace_back(renderFromWorld * there.worldFromCamera);
     }
     const bool still = std::all_of(cameraSteps_.begin(), cameraSteps_.end(), [&](const Affine &m) { return m == cameraSteps_.front(); });
@@ -96,13 +107,17 @@ void RenderScene::moveCamera(double frame, const DMat4 &renderFromWorld) {
 }
 
 void RenderScene::setFrame(double frame, StageTimes &times) {
-    const RenderSettings &render = scene_->render;
-    camera_ = cameraAtFrame(scene_->camera, frame, render.fps);
+    const RenderSettings &render = scene_.render;
+    const DMat4 before = worldFromRender_;
+    camera_ = cameraAtFrame(scene_.camera, frame, render.fps);
     worldFromRender_ = camera_.worldFromCamera;
+    const bool stands = committed_ && frame == frame_ && worldFromRender_ == before;
     const DMat4 renderFromWorld = inverseOfRigid(worldFromRender_);
     moveCamera(frame, renderFromWorld);
     for (Index i = 0; i < objects_.size(); ++i) {
         RenderObject &object = objects_[i];
+        if (stands && changed_[i] == 0 && !object.object->points) continue;
+        changed_[i] = 0;
         bool moved = false;
         const std::size_t shutterTimes = std::max(object.steps.size(), object.placements.size());
         for (std::size_t step = 0; step < shutterTimes; ++step)
@@ -131,7 +146,45 @@ void RenderScene::setFrame(double frame, StageTimes &times) {
     placeLights(renderFromWorld);
     embree_->commit();
     committed_ = true;
+    frame_ = frame;
     times.bvh += watch.lap();
+}
+
+namespace {
+
+template <class T> T &entryOf(std::vector<T> &values, Index index, const char *what) {
+    if (index >= values.size())
+        throw InputError(std::string("scene: found ") + what + ' ' + std::to_string(index) + ", expected one of " +
+                         std::to_string(values.size()));
+    return values[index];
+}
+
+} // namespace
+
+void RenderScene::setCamera(Camera camera) {
+    scene_.camera = std::move(camera);
+}
+
+void RenderScene::setMaterial(Index material, Material value) {
+    entryOf(scene_.materials, material, "material") = std::move(value);
+    plan_.materials[material] = {};
+    for (RenderObject &object : objects_)
+        if (!object.storedPoisson.empty()) object.storedPoisson = poissonOfVertices(scene_, object);
+}
+
+void RenderScene::setLight(Index light, Light value) {
+    entryOf(scene_.lights, light, "light") = std::move(value);
+}
+
+void RenderScene::setPoints(Index object, std::shared_ptr<const PointSource> points) {
+    Object &entry = entryOf(scene_.objects, object, "object");
+    if (objects_[object].rigid)
+        throw InputError("object " + quoted(entry.name) + ": found new points, expected none for an object that was made rigid");
+    if (points && points->points() != entry.mesh->positions.size())
+        throw InputError("object " + quoted(entry.name) + ": found " + std::to_string(points->points()) + " points, expected " +
+                         std::to_string(entry.mesh->positions.size()) + " as in its mesh");
+    entry.points = std::move(points);
+    changed_[object] = 1;
 }
 
 void RenderScene::placeLights(const DMat4 &renderFromWorld) {
@@ -139,14 +192,14 @@ void RenderScene::placeLights(const DMat4 &renderFromWorld) {
     lights_.worldFromRender = Mat3(DMat3(worldFromRender_));
     lights_.environment = nullptr;
     lights_.environmentEntry = kNone;
-    if (scene_->environment && scene_->environment->mean != Vec3(0)) lights_.environment = &*scene_->environment;
+    if (scene_.environment && scene_.environment->mean != Vec3(0)) lights_.environment = &*scene_.environment;
     // Scattered rays sample what they weigh a constant sky with; aiming at it would only add shadow rays.
     if (lights_.environment != nullptr && !lights_.environment->constant) {
         lights_.environmentEntry = static_cast<Index>(lights_.entries.size());
         lights_.entries.push_back({});
         lights_.entries.back().kind = LightKind::Environment;
     }
-    for (const Light &light : scene_->lights) {
+    for (const Light &light : scene_.lights) {
         LightEntry entry;
         entry.radiance = light.radiance;
         entry.origin = toRender(renderFromWorld, light.corner);

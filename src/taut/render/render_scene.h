@@ -23,16 +23,28 @@ struct StageTimes {
 
 class RenderScene {
   public:
-    /// Builds topology. Keeps a reference to `scene`. `animated`: more than one frame will be asked for.
-    RenderScene(const Scene &scene, bool animated) : RenderScene(scene, defaultPlan(scene), animated) {}
-    RenderScene(const Scene &scene, ScenePlan plan, bool animated);
+    /// Takes over the scene (move it in, or it is copied, with its textures and environment) and builds topology. `animated`: more than
+    /// one frame will be asked for. Throws InputError where the scene is no scene (check_scene.h).
+    RenderScene(Scene scene, bool animated);
+    RenderScene(Scene scene, ScenePlan plan, bool animated);
     RenderScene(const RenderScene &) = delete;
     RenderScene &operator=(const RenderScene &) = delete;
 
-    /// Brings everything to a frame (which may be fractional). Adds to `times`.
+    /// Brings everything to a frame (which may be fractional). Adds to `times`. What has not changed since the last call is left as it
+    /// is: after setLight() or setMaterial() nothing moves, after setPoints() that object alone; objects with a point source are always
+    /// asked anew, for their caller may have written into his arrays.
     void setFrame(double frame, StageTimes &times);
 
-    [[nodiscard]] const Scene &scene() const { return *scene_; }
+    // --- changes between two frames: taken in by the next setFrame(), topology is not built again. Throw InputError for an index that is
+    // none. A FrameRender made before a change must not go on after it.
+    void setCamera(Camera camera);
+    /// The plan's choice for the old material is dropped: each hit chooses by its M.
+    void setMaterial(Index material, Material value);
+    void setLight(Index light, Light value);
+    /// For an object that was made with a point source, a deformer or another motion that deforms; as many points as its mesh has.
+    void setPoints(Index object, std::shared_ptr<const PointSource> points);
+
+    [[nodiscard]] const Scene &scene() const { return scene_; }
     /// Whether deforming meshes have BVHs that can be refitted; else everything is built anew when something deforms.
     [[nodiscard]] bool refits() const { return refits_; }
     [[nodiscard]] const EmbreeScene &embree() const { return *embree_; }
@@ -55,7 +67,9 @@ class RenderScene {
 
     void moveCamera(double frame, const DMat4 &renderFromWorld);
 
-    const Scene *scene_;
+    void prepare(bool animated);
+
+    Scene scene_;
     ScenePlan plan_;
     std::unique_ptr<EmbreeScene> embree_;
     bool refits_ = false;
@@ -67,6 +81,9 @@ class RenderScene {
     std::vector<Affine> cameraSteps_;
     DMat4 worldFromRender_{1};
     bool committed_ = false;
+    // What the objects were last brought to.
+    double frame_ = 0;
+    std::vector<unsigned char> changed_; // [objects] since then
 };
 
 } // namespace taut

@@ -1,0 +1,64 @@
+#pragma once
+/// Sums of floats that are exact, so that any order and any split of what is added gives the same bits.
+///
+/// Fixed point with 64 bits before the binary point and 64 behind it. A float is added without rounding from 2^-41 (4.5e-13) up; a
+/// smaller one is first rounded to the nearest multiple of 2^-64 (5.4e-20), for itself, so that the order still does not matter. Sums
+/// are held at +-2^63 (9.2e18): as long as all that is added has one sign, or the limits are not reached, held sums are exact in this
+/// sense too. Cf. Kulisch's long accumulator, which would hold every float in 4,288 bits.
+
+#include <bit>
+#include <cstdint>
+#include <limits>
+
+namespace taut {
+
+__extension__ typedef __int128 Int128;
+
+class ExactSum {
+  public:
+    constexpr ExactSum() = default;
+    /// From the two halves that words() gave.
+    constexpr ExactSum(std::uint64_t low, std::int64_t high) : value_((Int128{high} << 64) | Int128{low}) {}
+
+    /// NaN adds nothing; an infinity holds the sum at its limit.
+    constexpr void add(float x) {
+        const auto bits = std::bit_cast<std::uint32_t>(x);
+        const int exponent = static_cast<int>(bits >> 23U & 0xffU);
+        const std::uint32_t fraction = bits & 0x7fffffU;
+        if (exponent == 0xff && fraction != 0) return;
+        // |x| = significand 2^(exponent - 150); of subnormal numbers not a bit is left.
+        const int shift = exponent - 150 + 64;
+        const Int128 significand = exponent == 0 ? 0 : static_cast<Int128>(fraction | 0x800000U);
+        Int128 units = 0;
+        if (shift > kHighestShift)
+            units = kLimit;
+        else if (shift >= 0)
+            units = significand << shift;
+        else if (shift >= -25)
+            units = (significand + (Int128{1} << (-shift - 1))) >> -shift;
+        addUnits((bits >> 31U) != 0 ? -units : units);
+    }
+    constexpr void add(const ExactSum &other) { addUnits(other.value_); }
+
+    /// Rounded once.
+    [[nodiscard]] constexpr double value() const { return static_cast<double>(value_) * 0x1p-64; }
+
+    [[nodiscard]] constexpr std::uint64_t low() const { return static_cast<std::uint64_t>(value_); }
+    [[nodiscard]] constexpr std::int64_t high() const { return static_cast<std::int64_t>(value_ >> 64); }
+
+    constexpr bool operator==(const ExactSum &other) const { return value_ == other.value_; }
+
+  private:
+    static constexpr Int128 kLimit =
+        (Int128{std::numeric_limits<std::int64_t>::max()} << 64) | Int128{std::numeric_limits<std::uint64_t>::max()};
+    static constexpr int kHighestShift = 127 - 24 - 1; ///< of 24 bits that stay within the limit
+
+    constexpr void addUnits(Int128 units) {
+        Int128 sum = 0;
+        value_ = __builtin_add_overflow(value_, units, &sum) ? (units < 0 ? -kLimit : kLimit) : sum;
+    }
+
+    Int128 value_ = 0;
+};
+
+} // namespace taut

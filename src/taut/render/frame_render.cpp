@@ -1,0 +1,363 @@
+#include "taut/render/frame_render.h"
+
+#include "taut/base/error.h"
+#include "taut/base/parallel.h"
+#include "taut/base/sobol.h"
+#include "taut/render/adaptive.h"
+
+#include <tbb/enumerable_thread_specific.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <istream>
+#include <mutex>
+#include <ostream>
+
+namespace taut {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr int kTile = 16;
+/// Samples a pass where time may run out between passes.
+constexpr int kTimedPass = 4;
+/// Blocks of adaptive sampling that one task traces.
+constexpr std::size_t kBlocksATask = 8;
+constexpr std::string_view kMagic = "taut frame 1\n";
+
+/// The tiles of the frame's own grid, as far as they lie in the window.
+std::vector<Window> tilesOf(const Window &window) {
+    std::vector<Window> tiles;
+    for (int y = window.y0 / kTile * kTile; y < window.y1; y += kTile)
+        for (int x = window.x0 / kTile * kTile; x < window.x1; x += kTile)
+            tiles.push_back(
+                {std::max(x, window.x0), std::max(y, window.y0), std::min(x + kTile, window.x1), std::min(y + kTile, window.y1)});
+    return tiles;
+}
+
+struct Worker {
+    PathTracer tracer;
+    StageTimes times;
+    RayCounts counts;
+    BlockScratch scratch;
+};
+
+double secondsSince(Clock::time_point start) {
+    return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+Window windowOf(const FrameOptions &options, const RenderSettings &render) {
+    return options.window.empty() ? Window{0, 0, render.width, render.height} : options.window;
+}
+
+void checkOptions(const FrameOptions &options, const RenderSettings &render) {
+    const Window whole{0, 0, render.width, render.height};
+    if (options.spp < 1) throw InputError("frame: found " + std::to_string(options.spp) + " samples a pixel, expected at least 1");
+    if (options.firstSample < 0 || options.firstSample > (1 << 30))
+        throw InputError("frame: found first sample " + std::to_string(options.firstSample) + ", expected 0 to 2^30");
+    if (options.noise && options.firstSample > 0)
+        throw InputError("frame: found a first sample of an adaptive frame, expected all of its samples together");
+    if (!whole.contains(windowOf(options, render))) throw InputError("frame: found a window beyond the frame, expected one within");
+}
+
+} // namespace
+
+struct FrameRender::State {
+    State(const RenderScene &scene_, const FrameOptions &options_)
+        : options(options_), film(windowOf(options_, scene_.scene().render), options_.aovs),
+          materials(prepareMaterials(scene_.scene(), scene_.plan())), workers([&scene_, this] {
+              const RenderSettings &render = scene_.scene().render;
+              return Worker{PathTracer(scene_, materials,
+                                       {render.width, render.height, render.maxEvents, render.boxFilter, options.seed, options.record,
+                                        options.oneByOne}),
+                            {},
+                            {},
+                            {}};
+          }),
+          tiles(tilesOf(film.window())), tileLocks(tiles.size()) {
+        if (options.noise) blocks.emplace(film.window(), *options.noise, options.spp);
+    }
+
+    FrameOptions options;
+    Film film;
+    std::vector<PreparedMaterial> materials;
+    tbb::enumerable_thread_specific<Worker> workers;
+    std::vector<Window> tiles;
+    mutable std::vector<std::mutex> tileLocks; ///< [tiles], of the film's pixels; a block of adaptive sampling lies in one tile
+    std::optional<AdaptiveBlocks> blocks;
+
+    mutable std::mutex running; ///< held by advance(), and by what must not go on beside it
+    std::atomic<bool> stopAsked{false};
+    std::atomic<std::uint64_t> pixelSamples{0}; ///< in the film, of frames that are not adaptive
+    std::atomic<bool> telling{false};
+    std::atomic<double> adaptiveShare{0};
+    double seconds = 0;
+
+    // Of the advance() that goes on.
+    Clock::time_point deadline;
+    bool hasDeadline = false;
+    std::atomic<bool> gotFurther{false};
+
+    [[nodiscard]] std::uint64_t pixels() const {
+        return static_cast<std::uint64_t>(film.window().width()) * static_cast<std::uint64_t>(film.window().height());
+    }
+    [[nodiscard]] double share() const {
+        if (blocks) return adaptiveShare;
+        return std::min(1.0, static_cast<double>(pixelSamples) / (static_cast<double>(pixels()) * options.spp));
+    }
+    [[nodiscard]] bool done() const { return blocks ? blocks->active().empty() : pixelSamples >= pixels() * options.spp; }
+
+    /// Samples that a tile has.
+    [[nodiscard]] int samplesOf(const Window &tile) const { return static_cast<int>(film.samplesAt(tile.x0, tile.y0)); }
+    /// Whether work should not be started any more.
+    [[nodiscard]] bool isOver() const { return stopAsked || (hasDeadline && gotFurther && Clock::now() >= deadline); }
+
+    void tell();
+    [[nodiscard]] std::size_t tileAt(int x, int y) const {
+        const Window &w = film.window();
+        const int columns = (w.x1 - 1) / kTile - w.x0 / kTile + 1;
+        return static_cast<std::size_t>((y / kTile - w.y0 / kTile) * columns + x / kTile - w.x0 / kTile);
+    }
+    void advanceEvenly(int samples);
+    void advanceTile(std::size_t i, int last);
+    void advanceAdaptively(bool onePass);
+    void saveHead(std::ostream &out) const;
+    void checkHead(std::istream &in) const;
+};
+
+/// Only one thread tells; the others do not wait for it.
+void FrameRender::State::tell() {
+    if (!options.progress || telling.exchange(true)) return;
+    if (!options.progress(share())) stopAsked = true;
+    telling = false;
+}
+
+/// A tile's samples up to number `last`, in batches.
+void FrameRender::State::advanceTile(std::size_t i, int last) {
+    const Window &tile = tiles[i];
+    const std::uint64_t area = static_cast<std::uint64_t>(tile.width()) * static_cast<std::uint64_t>(tile.height());
+    Worker &worker = workers.local();
+    const int batch = PathTracer::samplesABatch(tile);
+    for (int first = samplesOf(tile); first < last && !isOver(); first += batch) {
+        const int end = std::min(first + batch, last);
+        if (!worker.tracer.traceTile(tile, options.firstSample + first, options.firstSample + end, {film, tileLocks[i], stopAsked},
+                                     worker.times, worker.counts))
+            return;
+        pixelSamples += area * static_cast<std::uint64_t>(end - first);
+        gotFurther = true;
+    }
+}
+
+/// Passes of `samples` samples for every pixel; 0: one pass with all.
+void FrameRender::State::advanceEvenly(int samples) {
+    int least = options.spp;
+    for (const Window &tile : tiles) least = std::min(least, samplesOf(tile));
+    const int last = samples > 0 ? std::min(least + samples, options.spp) : options.spp;
+    const int pass = samples == 0 && hasDeadline ? kTimedPass : last - least;
+    for (int to = least; to < last && !isOver();) {
+        to = std::min(to + pass, last);
+        parallelFor(tiles.size(), 1, [&](std::size_t i) {
+            advanceTile(i, to);
+            tell();
+        });
+    }
+}
+
+/// As many samples for each block as the noise of others asks for.
+void FrameRender::State::advanceAdaptively(bool onePass) {
+    while (!blocks->active().empty() && !isOver()) {
+        parallelFor(blocks->active().size(), kBlocksATask, [&](std::size_t i) {
+            const Index block = blocks->active()[i];
+            const Window window = blocks->windowOf(block);
+            // A pass over a block is made whole or not at all.
+            if (isOver() || film.samplesAt(window.x0, window.y0) >= static_cast<std::uint32_t>(blocks->last())) return;
+            Worker &worker = workers.local();
+            static const std::atomic<bool> kGoOn{false};
+            samplePass(*blocks, block, film, worker.scratch, [&](const Window &part, int first, int last) {
+                worker.tracer.traceTile(part, first, last, {film, tileLocks[tileAt(part.x0, part.y0)], kGoOn}, worker.times, worker.counts);
+            });
+            gotFurther = true;
+        });
+        const bool whole = std::all_of(blocks->active().begin(), blocks->active().end(), [&](Index block) {
+            const Window window = blocks->windowOf(block);
+            return film.samplesAt(window.x0, window.y0) >= static_cast<std::uint32_t>(blocks->last());
+        });
+        if (!whole) return;
+        blocks->decide();
+        adaptiveShare = blocks->done();
+        tell();
+        if (onePass) return;
+    }
+}
+
+FrameRender::FrameRender(const RenderScene &scene, const FrameOptions &options) {
+    checkOptions(options, scene.scene().render);
+    state_ = std::make_unique<State>(scene, options);
+}
+FrameRender::~FrameRender() = default;
+
+FrameState FrameRender::advance(const FrameBudget &budget) {
+    State &s = *state_;
+    const std::lock_guard lock(s.running);
+    const auto start = Clock::now();
+    s.hasDeadline = budget.seconds > 0;
+    if (s.hasDeadline) s.deadline = start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(budget.seconds));
+    s.gotFurther = false;
+    if (s.blocks)
+        s.advanceAdaptively(budget.samples > 0);
+    else
+        s.advanceEvenly(budget.samples);
+    s.seconds += secondsSince(start);
+    s.tell();
+    const bool stopped = s.stopAsked.exchange(false);
+    return s.done() ? FrameState::Done : stopped ? FrameState::Stopped : FrameState::Going;
+}
+
+void FrameRender::stop() noexcept {
+    state_->stopAsked = true;
+}
+
+bool FrameRender::done() const {
+    const std::lock_guard lock(state_->running);
+    return state_->done();
+}
+
+double FrameRender::share() const {
+    return state_->share();
+}
+
+Film FrameRender::film() const {
+    const State &s = *state_;
+    Film film(s.film.window(), s.film.aovs());
+    for (std::size_t i = 0; i < s.tiles.size(); ++i) {
+        const std::lock_guard lock(s.tileLocks[i]);
+        film.copy(s.film, s.tiles[i]);
+    }
+    return film;
+}
+
+Film FrameRender::takeFilm() && {
+    const std::lock_guard lock(state_->running);
+    return std::move(state_->film);
+}
+
+StageTimes FrameRender::times() const {
+    const std::lock_guard lock(state_->running);
+    StageTimes times;
+    for (const Worker &worker : state_->workers) times += worker.times;
+    return times;
+}
+
+RayCounts FrameRender::counts() const {
+    const std::lock_guard lock(state_->running);
+    RayCounts counts;
+    for (const Worker &worker : state_->workers) counts += worker.counts;
+    return counts;
+}
+
+double FrameRender::seconds() const {
+    const std::lock_guard lock(state_->running);
+    return state_->seconds;
+}
+
+namespace {
+
+/// What a saved frame must share with the one that goes on.
+struct SavedHead {
+    std::uint32_t seed = 0;
+    std::int32_t firstSample = 0;
+    std::int32_t adaptive = 0;
+    std::int32_t most = 0; ///< adaptive: samples a pixel
+    double noise = 0;
+};
+
+SavedHead headOf(const FrameOptions &options) {
+    return {options.seed, options.firstSample, options.noise ? 1 : 0, options.noise ? options.spp : 0, options.noise.value_or(0)};
+}
+
+template <class T> void expectSame(const char *what, T saved, T own) {
+    if (saved != own)
+        throw InputError(std::string("saved frame: found ") + what + ' ' + formatNumber(static_cast<double>(saved)) + ", expected " +
+                         formatNumber(static_cast<double>(own)));
+}
+
+} // namespace
+
+void FrameRender::State::saveHead(std::ostream &out) const {
+    const SavedHead head = headOf(options);
+    out << kMagic;
+    out.write(reinterpret_cast<const char *>(&head), sizeof head);
+}
+
+void FrameRender::State::checkHead(std::istream &in) const {
+    std::string magic(kMagic.size(), ' ');
+    if (!in.read(magic.data(), static_cast<std::streamsize>(magic.size())) || magic != kMagic)
+        throw InputError("saved frame: found other bytes at its begin, expected 'taut frame 1'");
+    SavedHead head;
+    if (!in.read(reinterpret_cast<char *>(&head), sizeof head)) throw InputError("saved frame: found its end early, expected its head");
+    const SavedHead own = headOf(options);
+    expectSame("seed", head.seed, own.seed);
+    expectSame("first sample", head.firstSample, own.firstSample);
+    expectSame("adaptive", head.adaptive, own.adaptive);
+    expectSame("samples a pixel", head.most, own.most);
+    expectSame("noise", head.noise, own.noise);
+}
+
+void FrameRender::save(std::ostream &out) const {
+    const State &s = *state_;
+    const std::lock_guard lock(s.running);
+    s.saveHead(out);
+    s.film.save(out);
+    if (s.blocks) s.blocks->save(out);
+}
+
+void FrameRender::restore(std::istream &in) {
+    State &s = *state_;
+    const std::lock_guard lock(s.running);
+    s.checkHead(in);
+    Film film = Film::load(in);
+    if (film.window() != s.film.window()) throw InputError("saved frame: found other pixels, expected those of this frame's window");
+    if (film.aovs() != s.film.aovs()) throw InputError("saved frame: found other AOVs, expected those asked for");
+    std::optional<AdaptiveBlocks> blocks = s.blocks;
+    if (blocks) blocks->load(in);
+    std::uint64_t pixelSamples = 0;
+    for (const Window &tile : s.tiles)
+        for (int y = tile.y0; y < tile.y1; ++y)
+            for (int x = tile.x0; x < tile.x1; ++x) {
+                const std::uint32_t samples = film.samplesAt(x, y);
+                pixelSamples += samples;
+                if (!blocks && (samples != film.samplesAt(tile.x0, tile.y0) || samples > static_cast<std::uint32_t>(s.options.spp)))
+                    throw InputError("saved frame: found " + std::to_string(samples) +
+                                     " samples in one pixel of a tile, expected at most " + std::to_string(s.options.spp) +
+                                     ", and as many in each");
+            }
+    s.film = std::move(film);
+    s.blocks = std::move(blocks);
+    s.pixelSamples = pixelSamples;
+    if (s.blocks) s.adaptiveShare = s.blocks->done();
+}
+
+std::uint32_t frameSeed(std::uint32_t seed, int frame, bool fixed) {
+    return fixed ? hash(seed, 0U) : hash(seed, static_cast<std::uint32_t>(frame) + 1U);
+}
+
+FrameResult renderFrame(const RenderScene &scene, const FrameOptions &options) {
+    const auto start = Clock::now();
+    FrameOptions told = options;
+    if (options.progress && options.seconds)
+        told.progress = [&](double share) {
+            return options.progress(std::min(1.0, std::max(share, secondsSince(start) / *options.seconds)));
+        };
+    FrameRender frame(scene, told);
+    FrameState state = FrameState::Going;
+    const bool inPasses = options.seconds.has_value();
+    do state = frame.advance({inPasses ? kTimedPass : 0, 0});
+    while (state == FrameState::Going && !(inPasses && secondsSince(start) >= *options.seconds));
+    const StageTimes times = frame.times();
+    const RayCounts counts = frame.counts();
+    return {std::move(frame).takeFilm(), times, counts, secondsSince(start), state != FrameState::Stopped};
+}
+
+} // namespace taut

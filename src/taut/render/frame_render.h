@@ -1,0 +1,100 @@
+#pragma once
+/// One frame, rendered in steps: it advances by a budget, can be stopped from another thread within a tile, be read while it goes on,
+/// and be saved, restored and gone on with in another process. The command, a viewer, a checkpoint all use this one.
+///
+/// Film sums are exact (film.h) and a sample's random numbers follow from its number alone, so the picture is the same bits whatever the
+/// budgets, the stops, the threads, the order of passes, and the split of samples (FrameOptions::firstSample) or pixels (window) over
+/// films that are merged. The one exception is a limit in seconds, which decides how many samples there are.
+
+#include "taut/render/film.h"
+#include "taut/render/integrator.h"
+
+#include <functional>
+#include <iosfwd>
+#include <memory>
+#include <optional>
+
+namespace taut {
+
+struct FrameOptions {
+    int spp = 64;                  ///< samples a pixel; the upper bound where `seconds` or `noise` are given
+    int firstSample = 0;           ///< number of the first of them: films of samples [0, n) and [n, m) merge into one of [0, m)
+    std::optional<double> seconds; ///< of renderFrame: stop after the pass in which this much time is over
+    std::optional<double> noise;   ///< adaptive sampling to this relative noise (adaptive.h); firstSample is 0 then
+    Window window;                 ///< pixels to render; empty: the whole frame
+    std::vector<Aov> aovs;
+    std::uint32_t seed = 0; ///< of this frame, already decorrelated (frameSeed)
+    RayRecord *record = nullptr;
+    bool oneByOne = false; ///< as in TraceSettings
+    /// Told the share done in [0, 1] from time to time, by one thread at a time, while the others go on; false stops.
+    std::function<bool(double)> progress;
+};
+
+/// How far advance() goes. Nothing given: to the end.
+struct FrameBudget {
+    int samples = 0;    ///< more samples for every pixel (adaptive: the next pass); 0: all that are left
+    double seconds = 0; ///< return when so much time is over, at the next batch of samples; 0: no limit
+};
+
+enum class FrameState {
+    Going,   ///< the budget is used up
+    Stopped, ///< by stop() or the progress function
+    Done
+};
+
+class FrameRender {
+  public:
+    /// Keeps a reference to `scene`, whose frame must not be changed while this lives. Throws InputError where options contradict each
+    /// other.
+    FrameRender(const RenderScene &scene, const FrameOptions &options);
+    ~FrameRender();
+    FrameRender(const FrameRender &) = delete;
+    FrameRender &operator=(const FrameRender &) = delete;
+
+    /// Renders on. By one thread at a time; uses all of TBB's. Every call that is not stopped gets further, however small its budget.
+    FrameState advance(const FrameBudget &budget = {});
+
+    /// Ends the advance() that goes on, else the next one, as soon as its threads look up: within a tile, in some milliseconds. What was
+    /// under way is dropped, what the film has is whole. From any thread, or a signal handler.
+    void stop() noexcept;
+
+    [[nodiscard]] bool done() const;
+    /// Share of the samples that are done, [0, 1].
+    [[nodiscard]] double share() const;
+
+    /// The film as it stands; from any thread, while advance() goes on too. Tiles may differ in their number of samples.
+    [[nodiscard]] Film film() const;
+    /// The film itself, when there is nothing more to do with this.
+    [[nodiscard]] Film takeFilm() &&;
+
+    /// Writes all that restore() needs to go on. Waits for an advance() to return.
+    void save(std::ostream &out) const;
+    /// Goes on where another process saved. The options must be those of then, but for spp where the frame is not adaptive. Throws
+    /// InputError, which says what differs or is damaged, and leaves things as they were.
+    void restore(std::istream &in);
+
+    /// Of all advance() calls together.
+    [[nodiscard]] StageTimes times() const;
+    [[nodiscard]] RayCounts counts() const;
+    [[nodiscard]] double seconds() const;
+
+  private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+struct FrameResult {
+    Film film;
+    StageTimes times; ///< rendering stages only
+    RayCounts counts;
+    double seconds = 0;   ///< wall clock
+    bool complete = true; ///< false: the progress function stopped it
+};
+
+/// Seed of a frame: decorrelated from its neighbours unless `fixed`.
+std::uint32_t frameSeed(std::uint32_t seed, int frame, bool fixed);
+
+/// A frame from its first sample to its last.
+FrameResult renderFrame(const RenderScene &scene, const FrameOptions &options);
+
+} // namespace taut
