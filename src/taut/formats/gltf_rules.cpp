@@ -1,5 +1,10 @@
+/// Which types the members of a glTF file may have, and which of them must be there: glTF 2.0, appendix B, as two tables.
+
 #include "taut/formats/gltf_source.h"
 
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -23,12 +28,24 @@ struct Step {
     }
 };
 
-/// What a member may be: i index or count, I array of them, n number, N array of numbers, 3 and 4 an array of so many, s string, S array of
-/// strings, b boolean, o object, a array of objects, m object of indices (vertex attributes), M array of such.
+/// What a member may be: the letters of kKinds, any of which will do.
 struct MemberRule {
     std::string_view key;
     std::string_view kinds;
 };
+/// Members whose kind depends on the key under which their object (or the array that holds it) stands: "" for the file.
+struct HeldMemberRule {
+    std::string_view holder;
+    MemberRule member;
+};
+constexpr auto kHeldMemberRules = std::to_array<HeldMemberRule>({
+    {"", {"nodes", "a"}},
+    {"scenes", {"nodes", "I"}},
+    {"bufferViews", {"byteStride", "t"}},
+    {"primitives", {"indices", "i"}},
+    {"sparse", {"indices", "o"}},
+    {"channels", {"target", "o"}},
+});
 constexpr auto kMemberRules = std::to_array<MemberRule>({
     // the file
     {"asset", "o"},
@@ -145,7 +162,7 @@ constexpr auto kMemberRules = std::to_array<MemberRule>({
 struct RequiredRule {
     std::string_view key;
     bool nestedOnly; ///< not for the key at the top of the file
-    std::array<std::string_view, 3> members;
+    std::array<std::string_view, 4> members;
 };
 constexpr auto kRequiredRules = std::to_array<RequiredRule>({
     {"accessors", false, {"componentType", "count", "type"}},
@@ -168,9 +185,8 @@ constexpr auto kRequiredRules = std::to_array<RequiredRule>({
     {"anisotropyTexture", false, {"index"}},
     {"cameras", false, {"type"}},
     {"perspective", false, {"yfov", "znear"}},
-    {"orthographic", false, {"xmag", "ymag"}},
+    {"orthographic", false, {"xmag", "ymag", "zfar", "znear"}},
     {"lights", false, {"type"}},
-    {"KHR_lights_punctual", true, {}},
 });
 
 /// Extensions whose members are checked; what stands in others is skipped.
@@ -190,42 +206,44 @@ template <class Container, class F> bool all(const Container &container, F is) {
     return true;
 }
 
-bool isOfKind(const json &value, char kind) {
-    const auto isAttributes = [](const json &v) { return v.is_object() && all(v, isIndex); };
-    switch (kind) {
-    case 'i': return isIndex(value);
-    case 'I': return value.is_array() && all(value, isIndex);
-    case 'n': return isFiniteNumber(value);
-    case 'N': return value.is_array() && all(value, isFiniteNumber);
-    case '3': return isOfKind(value, 'N') && value.size() == 3;
-    case '4': return isOfKind(value, 'N') && value.size() == 4;
-    case 's': return value.is_string();
-    case 'S': return value.is_array() && all(value, [](const json &v) { return v.is_string(); });
-    case 'b': return value.is_boolean();
-    case 'o': return value.is_object();
-    case 'a': return value.is_array() && all(value, [](const json &v) { return v.is_object(); });
-    case 'm': return isAttributes(value);
-    default: return value.is_array() && all(value, isAttributes);
-    }
+template <auto is> bool arrayOf(const json &value) {
+    return value.is_array() && all(value, is);
+}
+template <std::size_t size> bool numbers(const json &value) {
+    return arrayOf<isFiniteNumber>(value) && value.size() == size;
+}
+bool isObject(const json &value) {
+    return value.is_object();
+}
+bool isString(const json &value) {
+    return value.is_string();
+}
+bool isAttributes(const json &value) {
+    return value.is_object() && all(value, isIndex);
 }
 
-std::string_view describe(char kind) {
-    switch (kind) {
-    case 'i': return "an integer from 0 to 2147483647";
-    case 'I': return "an array of integers from 0 to 2147483647";
-    case 'n': return "a finite number";
-    case 'N': return "an array of finite numbers";
-    case '3': return "an array of 3 finite numbers";
-    case '4': return "an array of 4 finite numbers";
-    case 's': return "a string";
-    case 'S': return "an array of strings";
-    case 'b': return "true or false";
-    case 'o': return "an object";
-    case 'a': return "an array of objects";
-    case 'm': return "an object of accessor indices";
-    default: return "an array of objects of accessor indices";
-    }
-}
+/// The letters of the rules.
+struct Kind {
+    char letter;
+    std::string_view words;
+    bool (*is)(const json &);
+};
+constexpr auto kKinds = std::to_array<Kind>({
+    {'i', "an integer from 0 to 2147483647", isIndex},
+    {'I', "an array of integers from 0 to 2147483647", arrayOf<isIndex>},
+    {'t', "a multiple of 4 from 0 to 252", [](const json &v) { return isIndex(v) && v.get<int>() <= 252 && v.get<int>() % 4 == 0; }},
+    {'n', "a finite number", isFiniteNumber},
+    {'N', "an array of finite numbers", arrayOf<isFiniteNumber>},
+    {'3', "an array of 3 finite numbers", numbers<3>},
+    {'4', "an array of 4 finite numbers", numbers<4>},
+    {'s', "a string", isString},
+    {'S', "an array of strings", arrayOf<isString>},
+    {'b', "true or false", [](const json &v) { return v.is_boolean(); }},
+    {'o', "an object", isObject},
+    {'a', "an array of objects", arrayOf<isObject>},
+    {'m', "an object of accessor indices", isAttributes},
+    {'M', "an array of objects of accessor indices", arrayOf<isAttributes>},
+});
 
 /// A short picture of a value for an error.
 std::string shortText(const json &value) {
@@ -258,15 +276,26 @@ class JsonCheck {
 
   private:
     void checkMember(std::string_view key, const json &value, const Step &here) const {
-        for (const MemberRule &rule : kMemberRules) {
-            if (rule.key != key) continue;
-            std::string expected;
-            for (const char kind : rule.kinds) {
-                if (isOfKind(value, kind)) return;
-                expected += (expected.empty() ? "" : " or ") + std::string(describe(kind));
-            }
-            failGltf(path_, here.text(), shortText(value), expected);
+        for (const HeldMemberRule &rule : kHeldMemberRules)
+            if (rule.member.key == key && rule.holder == holderOf(here).key) return checkKind(rule.member, value, here);
+        for (const MemberRule &rule : kMemberRules)
+            if (rule.key == key) checkKind(rule, value, here);
+    }
+
+    void checkKind(const MemberRule &rule, const json &value, const Step &here) const {
+        std::string expected;
+        for (const char letter : rule.kinds) {
+            const Kind &kind = *std::find_if(kKinds.begin(), kKinds.end(), [&](const Kind &k) { return k.letter == letter; });
+            if (kind.is(value)) return;
+            expected += (expected.empty() ? "" : " or ") + std::string(kind.words);
         }
+        failGltf(path_, here.text(), shortText(value), expected);
+    }
+
+    /// The key of the object that has the member `here`, or of the array that holds that object.
+    static const Step &holderOf(const Step &here) {
+        const Step &object = *here.parent;
+        return object.key.empty() && object.parent != nullptr ? *object.parent : object;
     }
 
     void descend(const json &value, std::string_view key, const Step &here) const {
