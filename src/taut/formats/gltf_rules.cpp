@@ -8,6 +8,8 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <unordered_map>
+#include <utility>
 
 namespace taut {
 
@@ -27,167 +29,6 @@ struct Step {
         return before.empty() ? std::string(key) : before + "." + std::string(key);
     }
 };
-
-/// What a member may be: the letters of kKinds, any of which will do.
-struct MemberRule {
-    std::string_view key;
-    std::string_view kinds;
-};
-/// Members whose kind depends on the key under which their object (or the array that holds it) stands: "" for the file.
-struct HeldMemberRule {
-    std::string_view holder;
-    MemberRule member;
-};
-constexpr auto kHeldMemberRules = std::to_array<HeldMemberRule>({
-    {"", {"nodes", "a"}},
-    {"scenes", {"nodes", "I"}},
-    {"bufferViews", {"byteStride", "t"}},
-    {"primitives", {"indices", "i"}},
-    {"sparse", {"indices", "o"}},
-    {"channels", {"target", "o"}},
-});
-constexpr auto kMemberRules = std::to_array<MemberRule>({
-    // the file
-    {"asset", "o"},
-    {"scene", "i"},
-    {"scenes", "a"},
-    {"nodes", "aI"},
-    {"meshes", "a"},
-    {"skins", "a"},
-    {"animations", "a"},
-    {"materials", "a"},
-    {"textures", "a"},
-    {"images", "a"},
-    {"samplers", "a"},
-    {"cameras", "a"},
-    {"lights", "a"},
-    {"accessors", "a"},
-    {"bufferViews", "a"},
-    {"buffers", "a"},
-    {"extensionsUsed", "S"},
-    {"extensionsRequired", "S"},
-    {"extensions", "o"},
-    {"name", "s"},
-    {"version", "s"},
-    // buffers and accessors
-    {"buffer", "i"},
-    {"bufferView", "i"},
-    {"byteOffset", "i"},
-    {"byteLength", "i"},
-    {"byteStride", "i"},
-    {"uri", "s"},
-    {"mimeType", "s"},
-    {"componentType", "i"},
-    {"count", "i"},
-    {"type", "s"},
-    {"normalized", "b"},
-    {"sparse", "o"},
-    {"indices", "io"},
-    {"values", "o"},
-    // meshes
-    {"primitives", "a"},
-    {"attributes", "m"},
-    {"targets", "M"},
-    {"material", "i"},
-    {"mode", "i"},
-    {"weights", "N"},
-    // nodes and skins
-    {"children", "I"},
-    {"mesh", "i"},
-    {"skin", "i"},
-    {"camera", "i"},
-    {"light", "i"},
-    {"matrix", "N"},
-    {"translation", "N"},
-    {"rotation", "nN"},
-    {"scale", "nN"},
-    {"joints", "I"},
-    {"inverseBindMatrices", "i"},
-    {"skeleton", "i"},
-    // animations
-    {"channels", "a"},
-    {"sampler", "i"},
-    {"target", "io"},
-    {"node", "i"},
-    {"path", "s"},
-    {"input", "i"},
-    {"output", "i"},
-    {"interpolation", "s"},
-    // materials and textures
-    {"pbrMetallicRoughness", "o"},
-    {"baseColorFactor", "4"},
-    {"metallicFactor", "n"},
-    {"roughnessFactor", "n"},
-    {"emissiveFactor", "3"},
-    {"baseColorTexture", "o"},
-    {"metallicRoughnessTexture", "o"},
-    {"emissiveTexture", "o"},
-    {"normalTexture", "o"},
-    {"occlusionTexture", "o"},
-    {"anisotropyTexture", "o"},
-    {"index", "i"},
-    {"texCoord", "i"},
-    {"doubleSided", "b"},
-    {"alphaMode", "s"},
-    {"alphaCutoff", "n"},
-    {"source", "i"},
-    {"wrapS", "i"},
-    {"wrapT", "i"},
-    {"magFilter", "i"},
-    {"minFilter", "i"},
-    {"emissiveStrength", "n"},
-    {"anisotropyStrength", "n"},
-    {"anisotropyRotation", "n"},
-    {"ior", "n"},
-    {"transmissionFactor", "n"},
-    {"offset", "N"},
-    // cameras and lights
-    {"perspective", "o"},
-    {"orthographic", "o"},
-    {"yfov", "n"},
-    {"aspectRatio", "n"},
-    {"xmag", "n"},
-    {"ymag", "n"},
-    {"znear", "n"},
-    {"zfar", "n"},
-    {"color", "3"},
-    {"intensity", "n"},
-    {"range", "n"},
-    {"spot", "o"},
-    {"innerConeAngle", "n"},
-    {"outerConeAngle", "n"},
-});
-
-/// Members that an object must have, by the key under which it (or the array that holds it) stands.
-struct RequiredRule {
-    std::string_view key;
-    bool nestedOnly; ///< not for the key at the top of the file
-    std::array<std::string_view, 4> members;
-};
-constexpr auto kRequiredRules = std::to_array<RequiredRule>({
-    {"accessors", false, {"componentType", "count", "type"}},
-    {"bufferViews", false, {"buffer", "byteLength"}},
-    {"buffers", false, {"byteLength"}},
-    {"sparse", false, {"count", "indices", "values"}},
-    {"indices", false, {"bufferView", "componentType"}},
-    {"values", false, {"bufferView"}},
-    {"meshes", false, {"primitives"}},
-    {"primitives", false, {"attributes"}},
-    {"skins", false, {"joints"}},
-    {"channels", false, {"sampler", "target"}},
-    {"target", false, {"path"}},
-    {"samplers", true, {"input", "output"}},
-    {"baseColorTexture", false, {"index"}},
-    {"metallicRoughnessTexture", false, {"index"}},
-    {"emissiveTexture", false, {"index"}},
-    {"normalTexture", false, {"index"}},
-    {"occlusionTexture", false, {"index"}},
-    {"anisotropyTexture", false, {"index"}},
-    {"cameras", false, {"type"}},
-    {"perspective", false, {"yfov", "znear"}},
-    {"orthographic", false, {"xmag", "ymag", "zfar", "znear"}},
-    {"lights", false, {"type"}},
-});
 
 /// Extensions whose members are checked; what stands in others is skipped.
 constexpr auto kReadExtensions =
@@ -222,28 +63,96 @@ bool isAttributes(const json &value) {
     return value.is_object() && all(value, isIndex);
 }
 
-/// The letters of the rules.
+/// What members may be. Keys stand apart by blanks; "holder/key" is a member of objects that stand, alone or in an array, under
+/// the key `holder` ("" for the file), where another rule holds than for that key elsewhere.
 struct Kind {
-    char letter;
     std::string_view words;
     bool (*is)(const json &);
+    std::string_view keys;
 };
 constexpr auto kKinds = std::to_array<Kind>({
-    {'i', "an integer from 0 to 2147483647", isIndex},
-    {'I', "an array of integers from 0 to 2147483647", arrayOf<isIndex>},
-    {'t', "a multiple of 4 from 0 to 252", [](const json &v) { return isIndex(v) && v.get<int>() <= 252 && v.get<int>() % 4 == 0; }},
-    {'n', "a finite number", isFiniteNumber},
-    {'N', "an array of finite numbers", arrayOf<isFiniteNumber>},
-    {'3', "an array of 3 finite numbers", numbers<3>},
-    {'4', "an array of 4 finite numbers", numbers<4>},
-    {'s', "a string", isString},
-    {'S', "an array of strings", arrayOf<isString>},
-    {'b', "true or false", [](const json &v) { return v.is_boolean(); }},
-    {'o', "an object", isObject},
-    {'a', "an array of objects", arrayOf<isObject>},
-    {'m', "an object of accessor indices", isAttributes},
-    {'M', "an array of objects of accessor indices", arrayOf<isAttributes>},
+    {"an integer from 0 to 2147483647", isIndex,
+     "scene buffer bufferView byteOffset byteLength byteStride componentType count indices primitives/indices material mode mesh skin "
+     "camera "
+     "light inverseBindMatrices skeleton sampler target node input output index texCoord source wrapS wrapT magFilter minFilter"},
+    {"a multiple of 4 from 0 to 252", [](const json &v) { return isIndex(v) && v.get<int>() <= 252 && v.get<int>() % 4 == 0; },
+     "bufferViews/byteStride"},
+    {"an array of objects", arrayOf<isObject>,
+     "scenes nodes /nodes meshes skins animations materials textures images samplers cameras lights accessors bufferViews buffers "
+     "primitives "
+     "channels"},
+    {"an array of integers from 0 to 2147483647", arrayOf<isIndex>, "nodes scenes/nodes children joints"},
+    {"a finite number", isFiniteNumber,
+     "rotation scale metallicFactor roughnessFactor alphaCutoff emissiveStrength anisotropyStrength anisotropyRotation ior "
+     "transmissionFactor yfov aspectRatio xmag ymag znear zfar intensity range innerConeAngle outerConeAngle"},
+    {"an array of finite numbers", arrayOf<isFiniteNumber>, "weights matrix translation rotation scale offset"},
+    {"an array of 3 finite numbers", numbers<3>, "emissiveFactor color"},
+    {"an array of 4 finite numbers", numbers<4>, "baseColorFactor"},
+    {"a string", isString, "name version uri mimeType type path interpolation alphaMode"},
+    {"an array of strings", arrayOf<isString>, "extensionsUsed extensionsRequired"},
+    {"true or false", [](const json &v) { return v.is_boolean(); }, "normalized doubleSided"},
+    {"an object", isObject,
+     "asset extensions sparse indices sparse/indices values target channels/target pbrMetallicRoughness baseColorTexture "
+     "metallicRoughnessTexture emissiveTexture normalTexture occlusionTexture anisotropyTexture perspective orthographic spot"},
+    {"an object of accessor indices", isAttributes, "attributes"},
+    {"an array of objects of accessor indices", arrayOf<isAttributes>, "targets"},
 });
+
+/// Members that an object must have, by the key under which it (or the array that holds it) stands.
+struct Requirement {
+    std::string_view keys, members;
+};
+constexpr auto kRequirements = std::to_array<Requirement>({
+    {"accessors", "componentType count type"},
+    {"bufferViews", "buffer byteLength"},
+    {"buffers", "byteLength"},
+    {"sparse", "count indices values"},
+    {"indices", "bufferView componentType"},
+    {"values", "bufferView"},
+    {"meshes", "primitives"},
+    {"primitives", "attributes"},
+    {"skins", "joints"},
+    {"channels", "sampler target"},
+    {"target", "path"},
+    {"animations/samplers", "input output"},
+    {"baseColorTexture metallicRoughnessTexture emissiveTexture normalTexture occlusionTexture anisotropyTexture", "index"},
+    {"cameras lights", "type"},
+    {"perspective", "yfov znear"},
+    {"orthographic", "xmag ymag zfar znear"},
+});
+
+/// The rules of one key, by holder.
+constexpr std::string_view kAnyHolder = "*";
+struct KeyRules {
+    std::vector<std::pair<std::string_view, const Kind *>> kinds;
+    std::vector<std::pair<std::string_view, std::string_view>> required;
+};
+
+template <class F> void forEachWord(std::string_view words, const F &f) {
+    while (!words.empty()) {
+        const std::size_t end = std::min(words.find(' '), words.size());
+        f(words.substr(0, end));
+        words.remove_prefix(std::min(end + 1, words.size()));
+    }
+}
+
+std::unordered_map<std::string_view, KeyRules> makeRules() {
+    std::unordered_map<std::string_view, KeyRules> rules;
+    const auto forEachKey = [&](std::string_view keys, const auto &f) {
+        forEachWord(keys, [&](std::string_view word) {
+            const std::size_t slash = word.find('/');
+            const bool held = slash != std::string_view::npos;
+            f(held ? word.substr(0, slash) : kAnyHolder, rules[held ? word.substr(slash + 1) : word]);
+        });
+    };
+    for (const Kind &kind : kKinds)
+        forEachKey(kind.keys, [&](std::string_view holder, KeyRules &rule) { rule.kinds.emplace_back(holder, &kind); });
+    for (const Requirement &requirement : kRequirements)
+        forEachKey(requirement.keys, [&](std::string_view holder, KeyRules &rule) {
+            forEachWord(requirement.members, [&](std::string_view member) { rule.required.emplace_back(holder, member); });
+        });
+    return rules;
+}
 
 /// A short picture of a value for an error.
 std::string shortText(const json &value) {
@@ -256,88 +165,69 @@ class JsonCheck {
   public:
     explicit JsonCheck(const std::string &path) : path_(path) {}
 
-    void object(const json &value, const Step &step) const {
-        for (const auto &[key, member] : value.items()) {
-            const Step here{&step, key, 0};
-            if (key == "extras") continue;
-            checkMember(key, member, here);
-            if (key == "extensions" && member.is_object()) {
+    /// `key`: under which the object, or the array that holds it, stands.
+    void object(const json &value, std::string_view key, const Step &step) const {
+        for (const auto &[name, member] : value.items()) {
+            if (name == "extras") continue;
+            const Step here{&step, name, 0};
+            const auto found = rules_.find(name);
+            const KeyRules *rules = found == rules_.end() ? nullptr : &found->second;
+            if (rules != nullptr) checkKind(*rules, key, member, here);
+            if (name == "extensions" && member.is_object()) {
                 for (const std::string_view extension : kReadExtensions)
-                    if (const auto found = member.find(std::string(extension)); found != member.end()) {
+                    if (const auto read = member.find(std::string(extension)); read != member.end()) {
                         const Step inside{&here, extension, 0};
-                        if (!found->is_object()) failGltf(path_, inside.text(), shortText(*found), "an object");
-                        object(*found, inside);
+                        if (!read->is_object()) failGltf(path_, inside.text(), shortText(*read), "an object");
+                        object(*read, extension, inside);
                     }
-            } else {
-                descend(member, key, here);
+            } else if (member.is_object()) {
+                required(rules, key, member, here);
+                object(member, name, here);
+            } else if (member.is_array()) {
+                for (std::size_t i = 0; i < member.size(); ++i) {
+                    if (!member[i].is_object()) continue;
+                    const Step element{&here, {}, i};
+                    required(rules, key, member[i], element);
+                    object(member[i], name, element);
+                }
             }
         }
     }
 
   private:
-    void checkMember(std::string_view key, const json &value, const Step &here) const {
-        for (const HeldMemberRule &rule : kHeldMemberRules)
-            if (rule.member.key == key && rule.holder == holderOf(here).key) return checkKind(rule.member, value, here);
-        for (const MemberRule &rule : kMemberRules)
-            if (rule.key == key) checkKind(rule, value, here);
-    }
-
-    void checkKind(const MemberRule &rule, const json &value, const Step &here) const {
+    void checkKind(const KeyRules &rules, std::string_view holder, const json &value, const Step &here) const {
+        const bool held = std::any_of(rules.kinds.begin(), rules.kinds.end(), [&](const auto &rule) { return rule.first == holder; });
         std::string expected;
-        for (const char letter : rule.kinds) {
-            const Kind &kind = *std::find_if(kKinds.begin(), kKinds.end(), [&](const Kind &k) { return k.letter == letter; });
-            if (kind.is(value)) return;
-            expected += (expected.empty() ? "" : " or ") + std::string(kind.words);
+        for (const auto &[ofHolder, kind] : rules.kinds) {
+            if (ofHolder != (held ? holder : kAnyHolder)) continue;
+            if (kind->is(value)) return;
+            expected += (expected.empty() ? "" : " or ") + std::string(kind->words);
         }
-        failGltf(path_, here.text(), shortText(value), expected);
+        if (!expected.empty()) failGltf(path_, here.text(), shortText(value), expected);
     }
 
-    /// The key of the object that has the member `here`, or of the array that holds that object.
-    static const Step &holderOf(const Step &here) {
-        const Step &object = *here.parent;
-        return object.key.empty() && object.parent != nullptr ? *object.parent : object;
-    }
-
-    void descend(const json &value, std::string_view key, const Step &here) const {
-        if (value.is_object()) {
-            require(value, key, here);
-            object(value, here);
-        } else if (value.is_array()) {
-            for (std::size_t i = 0; i < value.size(); ++i)
-                if (value[i].is_object()) {
-                    const Step element{&here, {}, i};
-                    require(value[i], key, element);
-                    object(value[i], element);
-                }
-        }
-    }
-
-    void require(const json &value, std::string_view key, const Step &here) const {
-        const Step *holder = here.key.empty() ? here.parent->parent : here.parent;
-        for (const RequiredRule &rule : kRequiredRules) {
-            if (rule.key != key || (rule.nestedOnly && holder->parent == nullptr)) continue;
-            for (const std::string_view member : rule.members)
-                if (!member.empty() && !value.contains(std::string(member))) {
-                    std::vector<std::string> present;
-                    for (const auto &[name, unused] : value.items()) present.push_back(name);
-                    const std::vector<std::string_view> names(present.begin(), present.end());
-                    const std::string_view nearest = nearestName(member, names);
-                    failGltf(path_, here.text(),
-                             "no member " + taut::quoted(member) +
-                                 (nearest.empty() ? "" : " (the nearest is " + taut::quoted(nearest) + ")"),
-                             taut::quoted(member));
-                }
+    void required(const KeyRules *rules, std::string_view holder, const json &value, const Step &here) const {
+        if (rules == nullptr) return;
+        for (const auto &[ofHolder, member] : rules->required) {
+            if ((ofHolder != kAnyHolder && ofHolder != holder) || value.contains(std::string(member))) continue;
+            std::vector<std::string_view> names;
+            for (const auto &entry : value.get_ref<const json::object_t &>()) names.push_back(entry.first);
+            const std::string_view nearest = nearestName(member, names);
+            failGltf(path_, here.text(),
+                     "no member " + taut::quoted(member) + (nearest.empty() ? "" : " (the nearest is " + taut::quoted(nearest) + ")"),
+                     taut::quoted(member));
         }
     }
 
     const std::string &path_;
+    const std::unordered_map<std::string_view, KeyRules> rules_ = makeRules();
 };
 
 } // namespace
 
 void checkGltfJson(const std::string &path, const json &file) {
     if (!file.is_object()) failGltf(path, "the JSON", shortText(file), "an object");
-    JsonCheck(path).object(file, Step{});
+    JsonCheck(path).object(file, "", Step{});
     const std::string version = file.contains("asset") ? file["asset"].value("version", "") : "";
     if (version.substr(0, 2) != "2.") failGltf(path, "asset.version", version.empty() ? "none" : taut::quoted(version), "'2.0'");
 }
