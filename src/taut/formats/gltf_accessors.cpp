@@ -1,26 +1,21 @@
 #include "taut/formats/gltf_accessors.h"
 
+#include "taut/formats/raw_number.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 
 namespace taut {
 
 namespace {
 
-template <class T> double as(const unsigned char *raw) {
-    T value;
-    std::memcpy(&value, raw, sizeof value);
-    return static_cast<double>(value);
-}
-
 struct ComponentType {
     long long code;
     std::size_t bytes;
     std::string_view name;
-    double (*read)(const unsigned char *);
+    double (*read)(const void *);
     double greatest; ///< what normalising divides by; 0: not normalised
 
     /// glTF 2.0, section 3.11: c / max, and no less than -1.
@@ -29,12 +24,12 @@ struct ComponentType {
     }
     [[nodiscard]] bool isUnsigned() const { return name.substr(0, 8) == "UNSIGNED"; }
 };
-constexpr auto kComponentTypes = std::to_array<ComponentType>({{5120, 1, "BYTE", as<std::int8_t>, 127},
-                                                               {5121, 1, "UNSIGNED_BYTE", as<std::uint8_t>, 255},
-                                                               {5122, 2, "SHORT", as<std::int16_t>, 32767},
-                                                               {5123, 2, "UNSIGNED_SHORT", as<std::uint16_t>, 65535},
-                                                               {5125, 4, "UNSIGNED_INT", as<std::uint32_t>, 0},
-                                                               {5126, 4, "FLOAT", as<float>, 0}});
+constexpr auto kComponentTypes = std::to_array<ComponentType>({{5120, 1, "BYTE", rawAsDouble<std::int8_t>, 127},
+                                                               {5121, 1, "UNSIGNED_BYTE", rawAsDouble<std::uint8_t>, 255},
+                                                               {5122, 2, "SHORT", rawAsDouble<std::int16_t>, 32767},
+                                                               {5123, 2, "UNSIGNED_SHORT", rawAsDouble<std::uint16_t>, 65535},
+                                                               {5125, 4, "UNSIGNED_INT", rawAsDouble<std::uint32_t>, 0},
+                                                               {5126, 4, "FLOAT", rawAsDouble<float>, 0}});
 
 const ComponentType &componentType(const GltfValue &code) {
     for (const ComponentType &type : kComponentTypes)

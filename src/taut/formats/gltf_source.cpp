@@ -1,10 +1,10 @@
 #include "taut/formats/gltf_source.h"
 
 #include "taut/base/file_bytes.h"
+#include "taut/formats/raw_number.h"
 
 #include <algorithm>
 #include <array>
-#include <cstring>
 #include <filesystem>
 #include <optional>
 
@@ -27,9 +27,7 @@ struct Container {
 };
 
 std::uint32_t readWord(std::string_view bytes, std::size_t offset) {
-    std::uint32_t word = 0;
-    std::memcpy(&word, bytes.data() + offset, sizeof word);
-    return word;
+    return rawNumber<std::uint32_t>(bytes.data() + offset);
 }
 
 /// glTF 2.0, section 4.4: a header of 12 bytes, then chunks of length, type and data.

@@ -1,11 +1,11 @@
 /// PLY, after G. Turk, "The PLY Polygon File Format" (1994): a header that describes elements, then their values.
 
+#include "taut/formats/raw_number.h"
 #include "taut/formats/read_formats.h"
 #include "taut/formats/text_scanner.h"
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cstring>
 #include <vector>
 
@@ -13,29 +13,21 @@ namespace taut {
 
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "binary values are read in the machine's order");
-
 struct ScalarType {
-    std::string_view name;
+    std::array<std::string_view, 2> names;
     std::size_t bytes;
-    char kind; ///< i: signed, u: unsigned, f: floating point
+    double (*read)(const void *);
+    bool integer = true;
 };
-constexpr auto kTypes = std::to_array<ScalarType>({{"char", 1, 'i'},
-                                                   {"int8", 1, 'i'},
-                                                   {"uchar", 1, 'u'},
-                                                   {"uint8", 1, 'u'},
-                                                   {"short", 2, 'i'},
-                                                   {"int16", 2, 'i'},
-                                                   {"ushort", 2, 'u'},
-                                                   {"uint16", 2, 'u'},
-                                                   {"int", 4, 'i'},
-                                                   {"int32", 4, 'i'},
-                                                   {"uint", 4, 'u'},
-                                                   {"uint32", 4, 'u'},
-                                                   {"float", 4, 'f'},
-                                                   {"float32", 4, 'f'},
-                                                   {"double", 8, 'f'},
-                                                   {"float64", 8, 'f'}});
+constexpr auto kTypes = std::to_array<ScalarType>({{{"char", "int8"}, 1, rawAsDouble<std::int8_t>},
+                                                   {{"uchar", "uint8"}, 1, rawAsDouble<std::uint8_t>},
+                                                   {{"short", "int16"}, 2, rawAsDouble<std::int16_t>},
+                                                   {{"ushort", "uint16"}, 2, rawAsDouble<std::uint16_t>},
+                                                   {{"int", "int32"}, 4, rawAsDouble<std::int32_t>},
+                                                   {{"uint", "uint32"}, 4, rawAsDouble<std::uint32_t>},
+                                                   {{"float", "float32"}, 4, rawAsDouble<float>, false},
+                                                   {{"double", "float64"}, 8, rawAsDouble<double>, false}});
+
 /// Roles of properties: x y z nx ny nz s t of a vertex; then what a mesh that `taut export` wrote has: M_x M_y M_z, tangent_x
 /// tangent_y tangent_z, tangent_sign_x, M_p_x M_q_x.
 constexpr std::size_t kFirstNormal = 3;
@@ -81,9 +73,11 @@ struct Header {
 const ScalarType &readType(TextScanner &scanner, std::string_view word, bool integer) {
     std::vector<std::string_view> names;
     for (const ScalarType &type : kTypes) {
-        if (integer && type.kind == 'f') continue;
-        if (type.name == word) return type;
-        names.push_back(type.name);
+        if (integer && !type.integer) continue;
+        for (const std::string_view name : type.names) {
+            if (name == word) return type;
+            names.push_back(name);
+        }
     }
     failUnknownName(scanner.where(), word, names);
 }
@@ -237,20 +231,7 @@ class Body {
         std::memcpy(raw, bytes_.data() + pos_, type.bytes);
         pos_ += type.bytes;
         if (header_.bigEndian) std::reverse(raw, raw + type.bytes);
-        return decode(raw, type);
-    }
-    template <class T> static double as(const unsigned char *raw) {
-        T value;
-        std::memcpy(&value, raw, sizeof value);
-        return static_cast<double>(value);
-    }
-    static double decode(const unsigned char *raw, const ScalarType &type) {
-        switch (type.bytes) {
-        case 1: return type.kind == 'u' ? as<std::uint8_t>(raw) : as<std::int8_t>(raw);
-        case 2: return type.kind == 'u' ? as<std::uint16_t>(raw) : as<std::int16_t>(raw);
-        case 4: return type.kind == 'f' ? as<float>(raw) : type.kind == 'u' ? as<std::uint32_t>(raw) : as<std::int32_t>(raw);
-        default: return as<double>(raw);
-        }
+        return type.read(raw);
     }
 
     std::string_view bytes_;
@@ -332,7 +313,7 @@ void readElement(Body &body, const Element &element, std::size_t vertices, Verte
 
 Property &indexListOf(Element &face) {
     const auto isIndexList = [](const Property &p) {
-        return p.countType != nullptr && p.type->kind != 'f' && (p.name == "vertex_indices" || p.name == "vertex_index");
+        return p.countType != nullptr && p.type->integer && (p.name == "vertex_indices" || p.name == "vertex_index");
     };
     const auto indices = std::find_if(face.properties.begin(), face.properties.end(), isIndexList);
     if (indices == face.properties.end())

@@ -1,27 +1,22 @@
 /// STL, ASCII and binary: a soup of triangles, welded by exact position.
 
+#include "taut/formats/raw_number.h"
 #include "taut/formats/read_formats.h"
 #include "taut/formats/text_scanner.h"
 #include "taut/mesh/weld.h"
 
 #include <algorithm>
-#include <bit>
-#include <cstring>
 #include <vector>
 
 namespace taut {
 
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "binary values are read in the machine's order");
-
 constexpr std::size_t kStlHeader = 84;
 constexpr std::size_t kStlTriangle = 50;
 
 std::uint32_t stlTriangles(std::string_view bytes) {
-    std::uint32_t count = 0;
-    std::memcpy(&count, bytes.data() + 80, sizeof count);
-    return count;
+    return rawNumber<std::uint32_t>(bytes.data() + 80);
 }
 
 /// Three positions a triangle.
@@ -32,8 +27,7 @@ std::vector<Vec3> readBinaryStl(std::string_view bytes, const std::string &path)
         for (std::size_t i = 0; i < 9; ++i) {
             // Behind the normal, which nobody reads: exporters write NaN there for slivers.
             const std::size_t offset = kStlHeader + t * kStlTriangle + 12 + i * 4;
-            float value = 0;
-            std::memcpy(&value, bytes.data() + offset, sizeof value);
+            const auto value = rawNumber<float>(bytes.data() + offset);
             if (!std::isfinite(value))
                 failInput({path, 0, 0, static_cast<std::int64_t>(offset)}, "a coordinate that is not finite", "a finite number");
             soup[t * 3 + i / 3][static_cast<int>(i % 3)] = value;
