@@ -4,7 +4,6 @@
 
 find_package(glm REQUIRED)
 find_package(TBB REQUIRED)
-find_package(TinyGLTF REQUIRED)
 find_package(tomlplusplus REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(embree 3.13 REQUIRED)

@@ -136,6 +136,9 @@ TEST_CASE("cli: info counts what is there and bounds the stretch", "[cli]") {
     CHECK(plate["name"] == "plate");
     CHECK(plate["positions"] == 1089);
     CHECK(plate["faces"] == 1024);
+    CHECK(plate["components"] == 1);
+    CHECK(plate["boundary_loops"] == 1);
+    CHECK(plate["complex_edges"] == 0);
     CHECK(plate["triangles"] == 2048);
     CHECK(plate["render_vertices"] == 1089);
     CHECK(plate["rigid"] == false);
@@ -172,7 +175,8 @@ TEST_CASE("cli: info counts what is there and bounds the stretch", "[cli]") {
 
     const CommandResult text = runTaut({"info", place.scene});
     requireSuccess(text);
-    for (const char *part : {"24 x 16", "1 materials", "2048 triangles", "multiscatter: ", "next cheaper"})
+    for (const char *part : {"24 x 16", "1 materials", "2048 triangles", "1 components, 1 boundary loops, 0 edges of more than two faces",
+                             "multiscatter: ", "next cheaper"})
         CHECK(text.out.find(part) != std::string::npos);
     checkUsageError(runTaut({"info", place.scene, "--jsn"}), "--jsn");
 

@@ -161,7 +161,6 @@ TEST_CASE("glTF: materials, images, cameras and lights", "[mesh][gltf]") {
     REQUIRE(file.cameras.size() == 1);
     CHECK(file.cameras[0].perspective);
     CHECK(file.cameras[0].yFov == 0.75F);
-    CHECK(file.cameras[0].aspectRatio == 0);
     REQUIRE(file.lights.size() == 1);
     CHECK(file.lights[0].type == GltfLight::Type::Spot);
     CHECK(file.lights[0].color == Vec3(1, 0.5F, 0.25F));

@@ -138,6 +138,11 @@ TEST_CASE("STL: ASCII and binary are welded to the same solid", "[mesh][read_mes
     const float next = std::nextafter(1.0F, 2.0F);
     std::memcpy(close.data() + 84 + 3 * 50 + 12, &next, sizeof next);
     CHECK(read("close.stl", close).positions.size() == 5);
+    // But for what rounding leaves of a zero.
+    std::string tiny = stlBinarySample();
+    const float residue = -1e-40F;
+    std::memcpy(tiny.data() + 84 + 3 * 50 + 12 + 4, &residue, sizeof residue);
+    CHECK(read("tiny.stl", tiny).positions.size() == 4);
 }
 
 TEST_CASE("STL: triangles without area by welding are dropped with a warning", "[mesh][read_mesh][stl]") {
@@ -187,7 +192,7 @@ TEST_CASE("Extensions of meshes, in any case", "[mesh][read_mesh]") {
     for (const char *path : {"a.glb", "obj", "a.obj.txt", "", "dir.obj/file"}) CHECK_FALSE(isMeshPath(path));
 }
 
-TEST_CASE("OpenMesh prints nothing", "[mesh][read_mesh]") {
+TEST_CASE("Reading prints nothing", "[mesh][read_mesh]") {
     std::ostringstream printed;
     std::streambuf *const out = std::cout.rdbuf(printed.rdbuf());
     std::streambuf *const err = std::cerr.rdbuf(printed.rdbuf());

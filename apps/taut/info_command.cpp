@@ -5,6 +5,7 @@
 #include "scene_arguments.h"
 
 #include "taut/base/frame_set.h"
+#include "taut/mesh/topology.h"
 #include "taut/plan/gradient_field.h"
 #include "taut/render/image_file.h"
 #include "taut/render/frame_render.h"
@@ -90,9 +91,13 @@ nlohmann::json describe(const RenderObject &object, bool refits, const RenderSet
         planned["questions"].push_back(toJson(bvhQuestion(forecastBvh(*object.object, level, render), refits)));
     const Surface &surface = object.surface;
     const Mesh &mesh = object.mesh();
+    const Topology topology = topologyOf(*object.object->mesh, object.object->rig.has_value());
     return {{"name", object.object->name},
             {"positions", mesh.positions.size()},
             {"faces", mesh.faceCount()},
+            {"components", topology.components},
+            {"boundary_loops", topology.boundaryLoops},
+            {"complex_edges", topology.complexEdges},
             {"triangles", surface.triangles.size()},
             {"render_vertices", surface.vertexCount()},
             {"subdivision", object.plan.subdivisionLevel},
@@ -141,6 +146,8 @@ void printObject(const nlohmann::json &o) {
                o["render_vertices"].get<std::size_t>(), o["skinned"].get<bool>() ? ", skinned" : "",
                o["morphs"].get<std::size_t>() > 0 ? ", morphed" : "", o["rigid"].get<bool>() ? ", rigid" : "",
                o["follow"].get<bool>() ? "" : ", roughness held fixed");
+    fmt::print("    {} components, {} boundary loops, {} edges of more than two faces\n", o["components"].get<std::size_t>(),
+               o["boundary_loops"].get<std::size_t>(), o["complex_edges"].get<std::size_t>());
     fmt::print("    stretch {:.4g} to {:.4g}, shear up to {:.4g}, at most {} collapsed vertices and {} folded triangles\n",
                o["stretch_min"].get<float>(), o["stretch_max"].get<float>(), o["shear_max"].get<float>(),
                o["collapsed_vertices"].get<std::size_t>(), o["folded_triangles"].get<std::size_t>());

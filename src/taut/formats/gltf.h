@@ -2,9 +2,9 @@
 /// glTF 2.0 (.gltf, .glb): the file's contents as plain data, checked. What the data mean for rendering is decided by
 /// `scene/`; how they move, by `deform/`.
 ///
-/// Parsed by tinygltf; every accessor, index and range is checked here, since tinygltf checks few of them. Each
-/// primitive of mode TRIANGLES / TRIANGLE_STRIP / TRIANGLE_FAN becomes a Mesh of its own (other modes are left out with
-/// a warning). Sparse accessors and normalised integers are resolved. glTF's v axis points down: uvs are stored v up.
+/// Every accessor, index and range is checked before it is used. Each primitive of mode TRIANGLES / TRIANGLE_STRIP /
+/// TRIANGLE_FAN becomes a Mesh of its own (other modes are left out with a warning). Sparse accessors and normalised integers
+/// are resolved. glTF's v axis points down: uvs are stored v up.
 
 #include "taut/base/error.h"
 #include "taut/deform/rig.h"
@@ -20,7 +20,6 @@ namespace taut {
 struct GltfTextureRef {
     Index image = kNone;
     int texCoord = 0;
-    float scale = 1; ///< normalTexture.scale, unused elsewhere
     bool repeatU = true;
     bool repeatV = true;
 };
@@ -52,9 +51,7 @@ struct GltfMaterial {
 struct GltfCamera {
     std::string name;
     bool perspective = true;
-    float yFov = 0.8F;     ///< radians
-    float aspectRatio = 0; ///< 0: not given
-    float yMag = 1;        ///< orthographic half height
+    float yFov = 0.8F; ///< radians
 };
 
 /// KHR_lights_punctual. Shines along the node's -z.

@@ -4,20 +4,19 @@
 #include "taut/formats/gltf_source.h"
 
 #include <span>
-#include <string>
 #include <vector>
 
 namespace taut {
 
-/// The bytes of a buffer view. `where` names the member that refers to it.
-std::span<const unsigned char> gltfBufferView(const GltfSource &source, int view, const std::string &where);
+/// The bytes of the buffer view that `reference` names.
+std::span<const unsigned char> gltfBufferView(const GltfSource &source, const GltfValue &reference);
 
-/// An accessor's elements as floats, `components` each (1, 2, 3, 4 or 16): normalised integers become [0, 1] or [-1, 1],
-/// other integers their value; sparse values are filled in. Throws InputError where the accessor is of another type, lies
-/// outside its buffer or holds a number that is not finite.
-std::vector<float> accessorFloats(const GltfSource &source, int accessor, int components, const std::string &where);
+/// The elements of the accessor that `reference` names, as floats, `components` each (1, 2, 3, 4 or 16): normalised integers
+/// become [0, 1] or [-1, 1], other integers their value; sparse values are filled in. Throws InputError where the accessor is of
+/// another type, lies outside its buffer or holds a number that is not finite.
+std::vector<float> accessorFloats(const GltfSource &source, const GltfValue &reference, int components);
 
 /// A scalar or vector accessor of unsigned integers (vertex indices, joints).
-std::vector<Index> accessorIndices(const GltfSource &source, int accessor, int components, const std::string &where);
+std::vector<Index> accessorIndices(const GltfSource &source, const GltfValue &reference, int components);
 
 } // namespace taut

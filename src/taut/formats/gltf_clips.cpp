@@ -1,7 +1,6 @@
 /// glTF 2.0, section 3.11: animations.
 
 #include "taut/formats/gltf_accessors.h"
-#include "taut/formats/gltf_source.h"
 
 #include <algorithm>
 #include <array>
@@ -13,22 +12,13 @@ namespace {
 constexpr std::array<std::string_view, 3> kInterpolations{"STEP", "LINEAR", "CUBICSPLINE"};
 constexpr std::array<std::string_view, 4> kPaths{"translation", "rotation", "scale", "weights"};
 
-/// The number of `name` in `valid`.
-template <std::size_t N>
-std::size_t choose(const GltfSource &source, const std::string &where, std::string_view name,
-                   const std::array<std::string_view, N> &valid) {
-    const auto found = std::find(valid.begin(), valid.end(), name);
-    if (found == valid.end()) failUnknownName({source.path + ": " + where, 0, 0, -1}, name, valid);
-    return static_cast<std::size_t>(found - valid.begin());
-}
-
-std::vector<float> readTimes(const GltfSource &source, int accessor, const std::string &where) {
-    std::vector<float> times = accessorFloats(source, accessor, 1, where);
+std::vector<float> readTimes(const GltfSource &source, const GltfValue &reference) {
+    std::vector<float> times = accessorFloats(source, reference, 1);
     for (std::size_t k = 1; k < times.size(); ++k)
         if (!(times[k] > times[k - 1]))
-            failGltf(source.path, where,
-                     "key " + std::to_string(k) + " at " + std::to_string(times[k]) + " s after " + std::to_string(times[k - 1]) + " s",
-                     "strictly increasing times");
+            reference.fail("key " + std::to_string(k) + " at " + std::to_string(times[k]) + " s after " + std::to_string(times[k - 1]) +
+                               " s",
+                           "strictly increasing times");
     return times;
 }
 
@@ -38,53 +28,52 @@ struct Width {
     int perElement;
 };
 
-Width widthOf(const GltfSource &source, ChannelPath path, int gltfNode, const std::string &where) {
+Width widthOf(const GltfSource &source, ChannelPath path, const GltfValue &target) {
     if (path == ChannelPath::Rotation) return {4, 4};
     if (path != ChannelPath::Weights) return {3, 3};
-    const std::size_t morphs = gltfMorphCount(source, source.model.nodes[static_cast<std::size_t>(gltfNode)].mesh);
-    if (morphs == 0)
-        failGltf(source.path, where + ".target.path", "'weights' of a node whose mesh has no morph targets", "a node with morph targets");
+    const GltfValue node = source["nodes"][static_cast<std::size_t>(target["node"].integer(0))];
+    const std::size_t morphs = gltfMorphCount(gltfMeshOf(source, node));
+    if (morphs == 0) target["path"].fail("'weights' of a node whose mesh has no morph targets", "a node with morph targets");
     return {morphs, 1};
 }
 
-Channel readChannel(const GltfSource &source, const tinygltf::Animation &animation, std::size_t c, const std::string &clipPath,
-                    const std::vector<Index> &nodeOf) {
-    const tinygltf::AnimationChannel &gltf = animation.channels[c];
-    const std::string where = jsonPath(clipPath + ".channels", c);
+Channel readChannel(const GltfSource &source, const GltfValue &gltf, const GltfValue &samplers, const std::vector<Index> &nodeOf) {
+    const GltfValue target = gltf["target"];
     Channel channel;
-    channel.node = nodeOf[checkedIndex(source, where + ".target.node", gltf.target_node, nodeOf.size(), "nodes")];
-    channel.path = static_cast<ChannelPath>(choose(source, where + ".target.path", gltf.target_path, kPaths));
-    const Index sampler = checkedIndex(source, where + ".sampler", gltf.sampler, animation.samplers.size(), "samplers in this animation");
-    const tinygltf::AnimationSampler &keys = animation.samplers[sampler];
-    const std::string samplerPath = jsonPath(clipPath + ".samplers", sampler);
-    channel.interpolation = static_cast<Interpolation>(choose(source, samplerPath + ".interpolation", keys.interpolation, kInterpolations));
-    const Width width = widthOf(source, channel.path, gltf.target_node, where);
+    channel.node = nodeOf[target["node"].index(nodeOf.size(), "nodes")];
+    channel.path = static_cast<ChannelPath>(target["path"].choice(kPaths));
+    const GltfValue keys = samplers[gltf["sampler"].index(samplers.size(), "samplers in this animation")];
+    if (keys.has("interpolation")) channel.interpolation = static_cast<Interpolation>(keys["interpolation"].choice(kInterpolations));
+    const Width width = widthOf(source, channel.path, target);
     channel.width = static_cast<Index>(width.perKey);
-    channel.times = readTimes(source, keys.input, samplerPath + ".input");
-    channel.values = accessorFloats(source, keys.output, width.perElement, samplerPath + ".output");
+    channel.times = readTimes(source, keys["input"]);
+    channel.values = accessorFloats(source, keys["output"], width.perElement);
     const std::size_t expected = channel.times.size() * width.perKey * (channel.interpolation == Interpolation::CubicSpline ? 3 : 1);
     if (channel.values.size() != expected)
-        failGltf(source.path, samplerPath + ".output", std::to_string(channel.values.size()) + " numbers",
-                 std::to_string(expected) + " for " + std::to_string(channel.times.size()) + " keys of " +
-                     std::string(kPaths[static_cast<std::size_t>(channel.path)]));
+        keys["output"].fail(std::to_string(channel.values.size()) + " numbers",
+                            std::to_string(expected) + " for " + std::to_string(channel.times.size()) + " keys of " +
+                                std::string(kPaths[static_cast<std::size_t>(channel.path)]));
     return channel;
 }
 
 } // namespace
 
 void readGltfClips(const GltfSource &source, GltfFile &file, const std::vector<Index> &nodeOf, Warnings &warnings) {
-    for (std::size_t a = 0; a < source.model.animations.size(); ++a) {
-        const tinygltf::Animation &gltf = source.model.animations[a];
-        const std::string where = jsonPath("animations", a);
+    const GltfValue animations = source["animations"];
+    for (std::size_t a = 0; a < animations.size(); ++a) {
+        const GltfValue gltf = animations[a];
+        const GltfValue channels = gltf["channels"];
+        const GltfValue samplers = gltf["samplers"];
         Clip clip;
-        clip.name = nameOr(gltf.name, "clip", a);
-        // tinygltf leaves out channels without a target node, which is what glTF asks for.
-        const std::size_t listed = source.json["animations"][a].value("channels", nlohmann::json::array()).size();
-        if (listed != gltf.channels.size())
-            warnings.add(source.path + ": " + where + ": " + std::to_string(listed - gltf.channels.size()) +
+        clip.name = gltf.nameOr("clip", a);
+        std::vector<GltfValue> targeted; // glTF asks to leave out what has no target node
+        for (std::size_t c = 0; c < channels.size(); ++c)
+            if (channels[c]["target"].has("node")) targeted.push_back(channels[c]);
+        if (targeted.size() != channels.size())
+            warnings.add(gltf.place() + ": " + std::to_string(channels.size() - targeted.size()) +
                          " channels without a target node are left out");
-        for (std::size_t c = 0; c < gltf.channels.size(); ++c) {
-            clip.channels.push_back(readChannel(source, gltf, c, where, nodeOf));
+        for (const GltfValue &channel : targeted) {
+            clip.channels.push_back(readChannel(source, channel, samplers, nodeOf));
             clip.duration = std::max(clip.duration, clip.channels.back().times.back());
         }
         file.rig.clips.push_back(std::move(clip));

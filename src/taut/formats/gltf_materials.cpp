@@ -1,7 +1,6 @@
 /// glTF 2.0, section 3.9 and the KHR_materials_* extensions: materials and their images; cameras and lights.
 
 #include "taut/formats/gltf_accessors.h"
-#include "taut/formats/gltf_source.h"
 
 #include <array>
 #include <cmath>
@@ -10,189 +9,163 @@ namespace taut {
 
 namespace {
 
-/// `value` where it lies in [lower, upper].
-float inRange(const GltfSource &source, const std::string &where, double value, double lower, double upper) {
+/// `value`, which `place` gave; throws unless it lies in [lower, upper].
+float inRange(const GltfValue &place, double value, double lower, double upper) {
     if (!(value >= lower && value <= upper)) {
         const std::string range =
             upper < 1e30 ? std::to_string(lower) + " to " + std::to_string(upper) : "at least " + std::to_string(lower);
-        failGltf(source.path, where, std::to_string(value), range);
+        place.fail(std::to_string(value), range);
     }
     return static_cast<float>(value);
 }
+float numberIn(const GltfValue &number, double otherwise, double lower, double upper) {
+    return inRange(number, number.number(otherwise), lower, upper);
+}
 
 /// A factor whose length checkGltfJson has checked.
-template <class V> V colour(const GltfSource &source, const std::string &where, const std::vector<double> &values, V otherwise) {
+template <class V> V colour(const GltfValue &factor, V otherwise) {
+    const std::vector<double> values = factor.numbers();
     if (values.empty()) return otherwise;
     V result;
-    for (int c = 0; c < V::length(); ++c) result[c] = inRange(source, where, values[static_cast<std::size_t>(c)], 0, 1);
+    for (int c = 0; c < V::length(); ++c) result[c] = inRange(factor, values[static_cast<std::size_t>(c)], 0, 1);
     return result;
 }
 
-/// A number of one of the extensions read; `otherwise` where the extension or the member is absent.
-double extensionNumber(const tinygltf::ExtensionMap &extensions, const std::string &extension, const std::string &member,
-                       double otherwise) {
-    const auto found = extensions.find(extension);
-    if (found == extensions.end() || !found->second.Has(member)) return otherwise;
-    return found->second.Get(member).GetNumberAsDouble();
-}
-
 /// True where KHR_texture_transform would move the texture.
-bool isTransformed(const tinygltf::ExtensionMap &extensions) {
-    const auto found = extensions.find("KHR_texture_transform");
-    if (found == extensions.end()) return false;
-    const tinygltf::Value &transform = found->second;
-    const auto differs = [&](const char *member, double identity) {
-        if (!transform.Has(member)) return false;
-        const tinygltf::Value &value = transform.Get(member);
-        if (value.IsNumber()) return value.GetNumberAsDouble() != identity;
-        for (std::size_t i = 0; i < value.ArrayLen(); ++i)
-            if (value.Get(i).GetNumberAsDouble() != identity) return true;
+bool isTransformed(const GltfValue &transform) {
+    const auto differs = [&](std::string_view member, double identity) {
+        const GltfValue value = transform[member];
+        if (value.number(identity) != identity) return true;
+        for (const double component : value.numbers())
+            if (component != identity) return true;
         return false;
     };
-    return differs("offset", 0) || differs("rotation", 0) || differs("scale", 1) || transform.Has("texCoord");
+    return differs("offset", 0) || differs("rotation", 0) || differs("scale", 1) || transform.has("texCoord");
 }
 
-GltfTextureRef readTexture(const GltfSource &source, const GltfFile &file, const tinygltf::TextureInfo &info, const std::string &where,
-                           Warnings &warnings) {
+/// Whether a texture repeats beyond its edge.
+bool repeats(const GltfValue &sampler, std::string_view member, const std::string &use, Warnings &warnings) {
+    constexpr long long kRepeat = 10497;
+    constexpr long long kMirrored = 33648;
+    constexpr long long kClamp = 33071;
+    const long long wrap = sampler[member].integer(kRepeat);
+    if (wrap == kMirrored)
+        warnings.add(use + ": mirrored repeat is not supported; the texture repeats unmirrored");
+    else if (wrap != kRepeat && wrap != kClamp)
+        sampler.fail("wrap mode " + std::to_string(wrap), "10497, 33071 or 33648");
+    return wrap != kClamp;
+}
+
+GltfTextureRef readTexture(const GltfSource &source, const GltfFile &file, const GltfValue &info, Warnings &warnings) {
     GltfTextureRef ref;
-    if (info.index < 0) return ref;
-    const auto warn = [&](const std::string &what) { warnings.add(source.path + ": " + where + ": " + what); };
-    const Index index = checkedIndex(source, where + ".index", info.index, source.model.textures.size(), "textures");
-    const tinygltf::Texture &texture = source.model.textures[index];
-    ref.texCoord = info.texCoord;
-    if (texture.source >= 0)
-        ref.image = checkedIndex(source, jsonPath("textures", index) + ".source", texture.source, file.images.size(), "images");
+    if (!info.present()) return ref;
+    const GltfValue textures = source["textures"];
+    const GltfValue texture = textures[info["index"].index(textures.size(), "textures")];
+    ref.texCoord = static_cast<int>(info["texCoord"].integer(0));
+    if (texture.has("source"))
+        ref.image = texture["source"].index(file.images.size(), "images");
     else
-        warn("the texture has no PNG or JPEG image and is left out");
-    if (info.texCoord != 0) warn("uses TEXCOORD_" + std::to_string(info.texCoord) + ", of which only TEXCOORD_0 is read");
-    if (isTransformed(info.extensions)) warn("KHR_texture_transform is not supported; the texture is not moved");
-    if (texture.sampler < 0) return ref;
-    const tinygltf::Sampler &sampler = source.model.samplers[checkedIndex(source, jsonPath("textures", index) + ".sampler", texture.sampler,
-                                                                          source.model.samplers.size(), "samplers")];
-    const auto repeats = [&](int wrap) {
-        if (wrap == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT)
-            warn("mirrored repeat is not supported; the texture repeats unmirrored");
-        else if (wrap != TINYGLTF_TEXTURE_WRAP_REPEAT && wrap != TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE)
-            failGltf(source.path, jsonPath("samplers", static_cast<std::size_t>(texture.sampler)), "wrap mode " + std::to_string(wrap),
-                     "10497, 33071 or 33648");
-        return wrap != TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE;
-    };
-    ref.repeatU = repeats(sampler.wrapS);
-    ref.repeatV = repeats(sampler.wrapT);
+        warnings.add(info.place() + ": the texture has no PNG or JPEG image and is left out");
+    if (ref.texCoord != 0)
+        warnings.add(info.place() + ": uses TEXCOORD_" + std::to_string(ref.texCoord) + ", of which only TEXCOORD_0 is read");
+    if (isTransformed(info["extensions"]["KHR_texture_transform"]))
+        warnings.add(info.place() + ": KHR_texture_transform is not supported; the texture is not moved");
+    if (!texture.has("sampler")) return ref;
+    const GltfValue samplers = source["samplers"];
+    const GltfValue sampler = samplers[texture["sampler"].index(samplers.size(), "samplers")];
+    ref.repeatU = repeats(sampler, "wrapS", info.place(), warnings);
+    ref.repeatV = repeats(sampler, "wrapT", info.place(), warnings);
     return ref;
 }
 
-/// KHR_materials_anisotropy's texture, which tinygltf knows as an untyped value only.
-tinygltf::TextureInfo anisotropyTexture(const tinygltf::ExtensionMap &extensions) {
-    tinygltf::TextureInfo info;
-    const auto found = extensions.find("KHR_materials_anisotropy");
-    if (found == extensions.end() || !found->second.Has("anisotropyTexture")) return info;
-    const tinygltf::Value &texture = found->second.Get("anisotropyTexture");
-    info.index = texture.Get("index").GetNumberAsInt();
-    if (texture.Has("texCoord")) info.texCoord = texture.Get("texCoord").GetNumberAsInt();
-    if (texture.Has("extensions") && texture.Get("extensions").Has("KHR_texture_transform"))
-        info.extensions["KHR_texture_transform"] = texture.Get("extensions").Get("KHR_texture_transform");
-    return info;
-}
-
-GltfMaterial readMaterial(const GltfSource &source, const GltfFile &file, std::size_t m, Warnings &warnings) {
-    const tinygltf::Material &gltf = source.model.materials[m];
-    const tinygltf::PbrMetallicRoughness &pbr = gltf.pbrMetallicRoughness;
-    const std::string where = jsonPath("materials", m);
-    const std::string pbrPath = where + ".pbrMetallicRoughness";
-    const std::string extensions = where + ".extensions.";
+GltfMaterial readMaterial(const GltfSource &source, const GltfFile &file, const GltfValue &gltf, std::size_t number, Warnings &warnings) {
+    const GltfValue pbr = gltf["pbrMetallicRoughness"];
+    const GltfValue extensions = gltf["extensions"];
+    const GltfValue anisotropy = extensions["KHR_materials_anisotropy"];
+    const auto texture = [&](const GltfValue &info) { return readTexture(source, file, info, warnings); };
     GltfMaterial material;
-    material.name = nameOr(gltf.name, "material", m);
-    material.baseColor = colour(source, pbrPath + ".baseColorFactor", pbr.baseColorFactor, Vec4(1));
-    material.baseColorTexture = readTexture(source, file, pbr.baseColorTexture, pbrPath + ".baseColorTexture", warnings);
-    material.metallic = inRange(source, pbrPath + ".metallicFactor", pbr.metallicFactor, 0, 1);
-    material.roughness = inRange(source, pbrPath + ".roughnessFactor", pbr.roughnessFactor, 0, 1);
-    material.metallicRoughnessTexture =
-        readTexture(source, file, pbr.metallicRoughnessTexture, pbrPath + ".metallicRoughnessTexture", warnings);
-    const double strength = extensionNumber(gltf.extensions, "KHR_materials_emissive_strength", "emissiveStrength", 1);
-    material.emissive = colour(source, where + ".emissiveFactor", gltf.emissiveFactor, Vec3(0)) *
-                        inRange(source, extensions + "KHR_materials_emissive_strength.emissiveStrength", strength, 0, 1e37);
-    material.emissiveTexture = readTexture(source, file, gltf.emissiveTexture, where + ".emissiveTexture", warnings);
-    const std::string anisotropy = "KHR_materials_anisotropy";
-    material.anisotropyStrength = inRange(source, extensions + anisotropy + ".anisotropyStrength",
-                                          extensionNumber(gltf.extensions, anisotropy, "anisotropyStrength", 0), 0, 1);
-    material.anisotropyRotation = static_cast<float>(extensionNumber(gltf.extensions, anisotropy, "anisotropyRotation", 0));
-    material.anisotropyTexture =
-        readTexture(source, file, anisotropyTexture(gltf.extensions), extensions + anisotropy + ".anisotropyTexture", warnings);
-    const double ior = extensionNumber(gltf.extensions, "KHR_materials_ior", "ior", 1.5);
+    material.name = gltf.nameOr("material", number);
+    material.baseColor = colour(pbr["baseColorFactor"], Vec4(1));
+    material.baseColorTexture = texture(pbr["baseColorTexture"]);
+    material.metallic = numberIn(pbr["metallicFactor"], 1, 0, 1);
+    material.roughness = numberIn(pbr["roughnessFactor"], 1, 0, 1);
+    material.metallicRoughnessTexture = texture(pbr["metallicRoughnessTexture"]);
+    material.emissive =
+        colour(gltf["emissiveFactor"], Vec3(0)) * numberIn(extensions["KHR_materials_emissive_strength"]["emissiveStrength"], 1, 0, 1e37);
+    material.emissiveTexture = texture(gltf["emissiveTexture"]);
+    material.anisotropyStrength = numberIn(anisotropy["anisotropyStrength"], 0, 0, 1);
+    material.anisotropyRotation = static_cast<float>(anisotropy["anisotropyRotation"].number(0));
+    material.anisotropyTexture = texture(anisotropy["anisotropyTexture"]);
     // 0 is the extension's word for "reflects everything".
-    material.ior = ior == 0 ? 0.0F : inRange(source, extensions + "KHR_materials_ior.ior", ior, 1, 1e37);
-    material.transmission = inRange(source, extensions + "KHR_materials_transmission.transmissionFactor",
-                                    extensionNumber(gltf.extensions, "KHR_materials_transmission", "transmissionFactor", 0), 0, 1);
-    material.doubleSided = gltf.doubleSided;
+    const GltfValue ior = extensions["KHR_materials_ior"]["ior"];
+    material.ior = ior.number(1.5) == 0 ? 0.0F : numberIn(ior, 1.5, 1, 1e37);
+    material.transmission = numberIn(extensions["KHR_materials_transmission"]["transmissionFactor"], 0, 0, 1);
+    material.doubleSided = gltf["doubleSided"].isTrue();
     return material;
 }
 
-GltfImage readImage(const GltfSource &source, std::size_t i) {
-    const nlohmann::json &gltf = source.json["images"][i];
-    const std::string where = jsonPath("images", i);
+GltfImage readImage(const GltfSource &source, const GltfValue &gltf, std::size_t number) {
+    const GltfValue uri = gltf["uri"];
     GltfImage image;
-    image.name = nameOr(gltf.value("name", std::string()), "image", i);
-    if (gltf.contains("bufferView")) {
-        const auto bytes = gltfBufferView(source, gltf["bufferView"].get<int>(), where + ".bufferView");
+    image.name = gltf.nameOr("image", number);
+    if (gltf.has("bufferView")) {
+        const auto bytes = gltfBufferView(source, gltf["bufferView"]);
         image.bytes.assign(bytes.begin(), bytes.end());
-    } else if (gltf.contains("uri")) {
-        const auto uri = gltf["uri"].get<std::string>();
-        if (uri.substr(0, 5) == "data:")
-            image.bytes = readUri(source.path, where + ".uri", uri);
-        else
-            image.path = pathOfUri(source.path, where + ".uri", uri);
+    } else if (!uri.present()) {
+        gltf.fail("neither 'uri' nor 'bufferView'", "one of them");
+    } else if (isDataUri(uri)) {
+        image.bytes = readUri(source.path, uri);
     } else {
-        failGltf(source.path, where, "neither 'uri' nor 'bufferView'", "one of them");
+        image.path = pathOfUri(source.path, uri);
     }
     return image;
 }
 
-GltfCamera readCamera(const GltfSource &source, std::size_t c) {
-    const tinygltf::Camera &gltf = source.model.cameras[c];
-    const std::string where = jsonPath("cameras", c);
+/// Member `name` of a camera or light of that type.
+GltfValue required(const GltfValue &gltf, std::string_view name) {
+    if (!gltf.has(name)) gltf.fail("no member " + taut::quoted(name), taut::quoted(name));
+    return gltf[name];
+}
+
+GltfCamera readCamera(const GltfValue &gltf, std::size_t number) {
+    constexpr std::array<std::string_view, 2> kTypes{"perspective", "orthographic"};
     GltfCamera camera;
-    camera.name = nameOr(gltf.name, "camera", c);
-    camera.perspective = gltf.type == "perspective";
-    if (camera.perspective) {
-        camera.yFov = inRange(source, where + ".perspective.yfov", gltf.perspective.yfov, 1e-6, 3.141592);
-        camera.aspectRatio = inRange(source, where + ".perspective.aspectRatio", gltf.perspective.aspectRatio, 0, 1e37);
-    } else {
-        camera.yMag = inRange(source, where + ".orthographic.ymag", std::fabs(gltf.orthographic.ymag), 1e-30, 1e37);
-    }
+    camera.name = gltf.nameOr("camera", number);
+    const std::string_view type = kTypes[gltf["type"].choice(kTypes)];
+    const GltfValue lens = required(gltf, type);
+    camera.perspective = type == "perspective";
+    if (camera.perspective) camera.yFov = numberIn(lens["yfov"], 0, 1e-6, 3.141592);
     return camera;
 }
 
-GltfLight readLight(const GltfSource &source, std::size_t l) {
+GltfLight readLight(const GltfValue &gltf, std::size_t number) {
     constexpr std::array<std::string_view, 3> kTypes{"directional", "point", "spot"};
-    const tinygltf::Light &gltf = source.model.lights[l];
-    const std::string where = jsonPath("extensions.KHR_lights_punctual.lights", l);
     GltfLight light;
-    light.name = nameOr(gltf.name, "light", l);
-    if (gltf.type == kTypes[0])
-        light.type = GltfLight::Type::Directional;
-    else if (gltf.type == kTypes[1])
-        light.type = GltfLight::Type::Point;
-    else if (gltf.type == kTypes[2])
-        light.type = GltfLight::Type::Spot;
-    else
-        failUnknownName({source.path + ": " + where + ".type", 0, 0, -1}, gltf.type, kTypes);
-    light.color = colour(source, where + ".color", gltf.color, Vec3(1));
-    light.intensity = inRange(source, where + ".intensity", gltf.intensity, 0, 1e37);
+    light.name = gltf.nameOr("light", number);
+    light.type = static_cast<GltfLight::Type>(gltf["type"].choice(kTypes));
+    light.color = colour(gltf["color"], Vec3(1));
+    light.intensity = numberIn(gltf["intensity"], 1, 0, 1e37);
     if (light.type != GltfLight::Type::Spot) return light;
-    light.outerConeAngle = inRange(source, where + ".spot.outerConeAngle", gltf.spot.outerConeAngle, 0, 1.5708);
-    light.innerConeAngle = inRange(source, where + ".spot.innerConeAngle", gltf.spot.innerConeAngle, 0, gltf.spot.outerConeAngle);
+    const GltfValue spot = required(gltf, "spot");
+    const GltfValue outer = spot["outerConeAngle"];
+    light.outerConeAngle = numberIn(outer, 0.7853981634, 0, 1.5708);
+    light.innerConeAngle = numberIn(spot["innerConeAngle"], 0, 0, outer.number(0.7853981634));
     return light;
+}
+
+/// Fills `out` from an array of the file.
+template <class T, class F> void readAll(const GltfValue &array, std::vector<T> &out, const F &read) {
+    for (std::size_t i = 0; i < array.size(); ++i) out.push_back(read(array[i], i));
 }
 
 } // namespace
 
 void readGltfMaterials(const GltfSource &source, GltfFile &file, Warnings &warnings) {
-    const std::size_t images = source.json.contains("images") ? source.json["images"].size() : 0;
-    for (std::size_t i = 0; i < images; ++i) file.images.push_back(readImage(source, i));
-    for (std::size_t m = 0; m < source.model.materials.size(); ++m) file.materials.push_back(readMaterial(source, file, m, warnings));
-    for (std::size_t c = 0; c < source.model.cameras.size(); ++c) file.cameras.push_back(readCamera(source, c));
-    for (std::size_t l = 0; l < source.model.lights.size(); ++l) file.lights.push_back(readLight(source, l));
+    readAll(source["images"], file.images, [&](const GltfValue &v, std::size_t i) { return readImage(source, v, i); });
+    readAll(source["materials"], file.materials,
+            [&](const GltfValue &v, std::size_t i) { return readMaterial(source, file, v, i, warnings); });
+    readAll(source["cameras"], file.cameras, readCamera);
+    readAll(source["extensions"]["KHR_lights_punctual"]["lights"], file.lights, readLight);
 }
 
 } // namespace taut

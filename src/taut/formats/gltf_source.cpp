@@ -1,25 +1,22 @@
 #include "taut/formats/gltf_source.h"
 
 #include "taut/base/file_bytes.h"
+#include "taut/formats/raw_number.h"
 
 #include <algorithm>
 #include <array>
-#include <cctype>
-#include <cstring>
 #include <filesystem>
+#include <optional>
 
 namespace taut {
 
 namespace {
 
-using nlohmann::json;
 namespace fs = std::filesystem;
 
 constexpr auto kKnownExtensions =
     std::to_array<std::string_view>({"KHR_lights_punctual", "KHR_materials_anisotropy", "KHR_materials_ior", "KHR_materials_transmission",
                                      "KHR_materials_emissive_strength", "KHR_texture_transform", "KHR_mesh_quantization"});
-/// Deeper nesting than any real file has; tinygltf and the JSON library recurse.
-constexpr int kDeepestJson = 96;
 
 /// The parts of a .glb, or the whole of a .gltf.
 struct Container {
@@ -30,9 +27,7 @@ struct Container {
 };
 
 std::uint32_t readWord(std::string_view bytes, std::size_t offset) {
-    std::uint32_t word = 0;
-    std::memcpy(&word, bytes.data() + offset, sizeof word);
-    return word;
+    return rawNumber<std::uint32_t>(bytes.data() + offset);
 }
 
 /// glTF 2.0, section 4.4: a header of 12 bytes, then chunks of length, type and data.
@@ -79,142 +74,95 @@ Location locate(const Container &container, const std::string &path, std::size_t
     return {path, 1 + static_cast<int>(std::count(before.begin(), before.end(), '\n')), 1 + static_cast<int>(offset - lineStart), -1};
 }
 
-/// Where the token begins that ends before `end`: the JSON library says only where it stopped.
-std::size_t lastTokenBegin(std::string_view text, std::size_t end) {
-    constexpr std::string_view kStructural = "{}[]:,";
-    if (end == 0) return 0;
-    std::size_t begin = end - 1;
-    if (kStructural.find(text[begin]) != std::string_view::npos) return begin;
-    if (text[begin] == '"') {
-        while (begin > 0 && text[begin - 1] != '"' && text[begin - 1] != '\n') --begin;
-        return begin > 0 ? begin - 1 : 0;
-    }
-    while (begin > 0 && !std::isspace(static_cast<unsigned char>(text[begin - 1])) &&
-           kStructural.find(text[begin - 1]) == std::string_view::npos)
-        --begin;
-    return begin;
-}
-
-json parseJson(const Container &container, const std::string &path) {
-    try {
-        const auto limitDepth = [&](int depth, json::parse_event_t, json &) {
-            if (depth > kDeepestJson)
-                failGltf(path, "the JSON", "members nested deeper than " + std::to_string(kDeepestJson) + " levels", "fewer levels");
-            return true;
-        };
-        return json::parse(container.json.begin(), container.json.end(), limitDepth);
-    } catch (const json::parse_error &error) {
-        // "[json.exception...] parse error at line 1, column 5: syntax error while parsing value - ...; last read: '...'"
-        std::string reason = error.what();
-        reason = reason.substr(std::min(reason.find(": ") + 2, reason.size()));
-        reason = reason.substr(0, reason.find("; last read"));
-        const std::size_t end = std::min(error.byte, container.json.size());
-        const std::size_t begin = error.byte > end ? end : lastTokenBegin(container.json, end);
-        const std::string_view token = container.json.substr(begin, end - begin);
-        failInput(locate(container, path, begin), token.empty() ? "the end of the JSON" : taut::quoted(token),
-                  "valid JSON (" + reason.substr(0, 200) + ")");
-    } catch (const json::exception &error) {
-        failGltf(path, "the JSON", std::string(error.what()).substr(0, 200), "valid JSON");
-    }
-}
-
-void checkExtensions(const std::string &path, const json &file, Warnings &warnings) {
-    const auto known = [](std::string_view name) {
+void checkExtensions(const GltfSource &source, Warnings &warnings) {
+    const auto known = [](const std::string &name) {
         return std::find(kKnownExtensions.begin(), kKnownExtensions.end(), name) != kKnownExtensions.end();
     };
-    const json required = file.value("extensionsRequired", json::array());
-    for (std::size_t i = 0; i < required.size(); ++i)
-        if (const auto name = required[i].get<std::string>(); !known(name))
-            failUnknownName({path + ": " + jsonPath("extensionsRequired", i), 0, 0, -1}, name, kKnownExtensions);
-    for (const json &used : file.value("extensionsUsed", json::array()))
-        if (const auto name = used.get<std::string>(); !known(name))
-            warnings.add(path + ": extension " + taut::quoted(name) + " is not read");
+    const GltfValue required = source["extensionsRequired"];
+    for (std::size_t i = 0; i < required.size(); ++i) static_cast<void>(required[i].choice(kKnownExtensions));
+    const GltfValue used = source["extensionsUsed"];
+    for (std::size_t i = 0; i < used.size(); ++i)
+        if (const std::string &name = used[i].text(); !known(name))
+            warnings.add(source.path + ": extension " + taut::quoted(name) + " is not read");
 }
 
-std::vector<unsigned char> readBuffer(const std::string &path, const json &buffer, std::size_t index, const Container &container) {
-    const std::string where = jsonPath("buffers", index);
-    const auto length = buffer["byteLength"].get<std::size_t>();
+std::vector<unsigned char> readBuffer(const std::string &path, const GltfValue &buffer, bool first, const Container &container) {
+    const auto length = static_cast<std::size_t>(buffer["byteLength"].integer(0));
     std::vector<unsigned char> bytes;
-    if (buffer.contains("uri")) {
-        bytes = readUri(path, where + ".uri", buffer["uri"].get<std::string>());
+    if (buffer.has("uri")) {
+        bytes = readUri(path, buffer["uri"]);
     } else {
-        if (index != 0 || !container.bin)
-            failGltf(path, where, "no 'uri'", container.binary ? "a 'uri', for the file has no BIN chunk for this buffer" : "a 'uri'");
+        if (!first || !container.bin)
+            buffer.fail("no 'uri'", container.binary ? "a 'uri', for the file has no BIN chunk for this buffer" : "a 'uri'");
         bytes.assign(container.bin->begin(), container.bin->end());
     }
     if (length > bytes.size())
-        failGltf(path, where + ".byteLength", std::to_string(length),
-                 "at most " + std::to_string(bytes.size()) + ", the bytes that are there");
+        buffer["byteLength"].fail(std::to_string(length), "at most " + std::to_string(bytes.size()) + ", the bytes that are there");
     bytes.resize(length);
     return bytes;
 }
 
-/// Runs tinygltf over the JSON alone: buffers and images are read here, with their own errors and without decoding.
-void runTinyGltf(GltfSource &source) {
-    json rest = source.json;
-    rest.erase("buffers");
-    rest.erase("images");
-    const std::string text = rest.dump();
-    std::string error;
-    std::string warning;
-    bool loaded = false;
-    try {
-        tinygltf::TinyGLTF loader;
-        loaded = loader.LoadASCIIFromString(&source.model, &error, &warning, text.c_str(), static_cast<unsigned int>(text.size()), "");
-    } catch (const std::exception &exception) {
-        error = exception.what();
+/// RFC 4648, section 4, up to the first character outside the alphabet.
+std::vector<unsigned char> decodeBase64(std::string_view text) {
+    constexpr std::string_view kAlphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    std::array<signed char, 256> values{};
+    values.fill(-1);
+    for (std::size_t i = 0; i < kAlphabet.size(); ++i) values[static_cast<unsigned char>(kAlphabet[i])] = static_cast<signed char>(i);
+    std::vector<unsigned char> bytes;
+    bytes.reserve(text.size() / 4 * 3 + 2);
+    std::uint32_t bits = 0;
+    int count = 0;
+    for (const char c : text) {
+        const int value = values[static_cast<unsigned char>(c)];
+        if (value < 0) break;
+        bits = bits << 6U | static_cast<std::uint32_t>(value);
+        count += 6;
+        if (count < 8) continue;
+        count -= 8;
+        bytes.push_back(static_cast<unsigned char>(bits >> static_cast<unsigned>(count)));
     }
-    while (!error.empty() && (error.back() == '\n' || error.back() == ' ')) error.pop_back();
-    if (!loaded) failGltf(source.path, "the JSON", "what tinygltf calls " + error.substr(0, 200), "a glTF 2.0 file");
+    return bytes;
 }
 
 } // namespace
 
-void failGltf(const std::string &path, std::string_view where, std::string_view found, std::string_view expected) {
-    failInput({path + ": " + std::string(where), 0, 0, -1}, found, expected);
+bool isDataUri(const GltfValue &uri) {
+    return std::string_view(uri.text()).substr(0, 5) == "data:";
 }
 
-std::string jsonPath(std::string_view name, std::size_t index) {
-    return std::string(name) + "[" + std::to_string(index) + "]";
-}
-
-Index checkedIndex(const GltfSource &source, std::string_view where, long long index, std::size_t count, std::string_view what) {
-    if (index < 0 || static_cast<unsigned long long>(index) >= count)
-        failGltf(source.path, where, std::to_string(index),
-                 count == 0 ? "none, for the file has no " + std::string(what) : "0 to " + std::to_string(count - 1));
-    return static_cast<Index>(index);
-}
-
-std::string nameOr(const std::string &name, std::string_view kind, std::size_t number) {
-    return name.empty() ? std::string(kind) + std::to_string(number) : name;
-}
-
-std::string pathOfUri(const std::string &gltfPath, const std::string &where, const std::string &uri) {
+std::string pathOfUri(const std::string &gltfPath, const GltfValue &uri) {
     const auto hexDigit = [](char c) {
         return c >= '0' && c <= '9' ? c - '0' : c >= 'a' && c <= 'f' ? c - 'a' + 10 : c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
     };
+    const std::string &text = uri.text();
     std::string decoded;
-    for (std::size_t i = 0; i < uri.size(); ++i) {
-        const bool escaped = uri[i] == '%' && i + 2 < uri.size() && hexDigit(uri[i + 1]) >= 0 && hexDigit(uri[i + 2]) >= 0;
-        decoded += escaped ? static_cast<char>(hexDigit(uri[i + 1]) * 16 + hexDigit(uri[i + 2])) : uri[i];
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        const bool escaped = text[i] == '%' && i + 2 < text.size() && hexDigit(text[i + 1]) >= 0 && hexDigit(text[i + 2]) >= 0;
+        decoded += escaped ? static_cast<char>(hexDigit(text[i + 1]) * 16 + hexDigit(text[i + 2])) : text[i];
         if (escaped) i += 2;
     }
     if (decoded.empty() || decoded.find('\0') != std::string::npos || decoded.find("://") != std::string::npos)
-        failGltf(gltfPath, where, taut::quoted(uri), "a data: URI or a path relative to the file");
+        uri.fail(taut::quoted(text), "a data: URI or a path relative to the file");
     return (fs::path(gltfPath).parent_path() / decoded).string();
 }
 
-std::vector<unsigned char> readUri(const std::string &gltfPath, const std::string &where, const std::string &uri) {
-    if (uri.substr(0, 5) == "data:") {
+std::vector<unsigned char> readUri(const std::string &gltfPath, const GltfValue &uri) {
+    if (isDataUri(uri)) {
+        constexpr auto kTypes = std::to_array<std::string_view>(
+            {"application/octet-stream", "application/gltf-buffer", "image/jpeg", "image/png", "image/bmp", "image/gif", "text/plain"});
+        constexpr std::string_view kEncoding = ";base64,";
+        const std::string_view text = std::string_view(uri.text()).substr(5);
+        const std::string_view type = text.substr(0, text.find(kEncoding));
         std::vector<unsigned char> bytes;
-        std::string mimeType;
-        if (!tinygltf::DecodeDataURI(&bytes, mimeType, uri, 0, false))
-            failGltf(gltfPath, where, taut::quoted(uri),
+        if (std::find(kTypes.begin(), kTypes.end(), type) != kTypes.end() && type.size() < text.size())
+            bytes = decodeBase64(text.substr(type.size() + kEncoding.size()));
+        if (bytes.empty())
+            uri.fail(taut::quoted(uri.text()),
                      "a data: URI of a known type with bytes in base64 (data:application/octet-stream;base64,...)");
         return bytes;
     }
-    const std::string path = pathOfUri(gltfPath, where, uri);
-    if (!fs::is_regular_file(path)) failGltf(gltfPath, where, taut::quoted(uri) + ", which is no file", "a file at " + path);
+    const std::string path = pathOfUri(gltfPath, uri);
+    if (!fs::is_regular_file(path)) uri.fail(taut::quoted(uri.text()) + ", which is no file", "a file at " + path);
     const std::string bytes = readFileBytes(path);
     return {bytes.begin(), bytes.end()};
 }
@@ -230,15 +178,14 @@ GltfSource openGltf(const std::string &path, Warnings &warnings) {
     GltfSource source;
     source.path = path;
     source.fileBytes = bytes.size();
-    source.json = parseJson(container, path);
-    checkGltfJson(path, source.json);
-    checkExtensions(path, source.json, warnings);
-    const json buffers = source.json.value("buffers", json::array());
+    source.json = parseGltfJson(container.json, path, [&](std::size_t offset) { return locate(container, path, offset); });
+    checkGltfJson(path, *source.json);
+    checkExtensions(source, warnings);
+    const GltfValue buffers = source["buffers"];
     for (std::size_t i = 0; i < buffers.size(); ++i) {
-        source.buffers.push_back(readBuffer(path, buffers[i], i, container));
+        source.buffers.push_back(readBuffer(path, buffers[i], i == 0, container));
         source.fileBytes += source.buffers.back().size();
     }
-    runTinyGltf(source);
     return source;
 }
 

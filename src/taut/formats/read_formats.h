@@ -5,6 +5,7 @@
 #include "taut/base/error.h"
 #include "taut/mesh/mesh.h"
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 
@@ -12,10 +13,17 @@ namespace taut {
 
 Mesh readObj(std::string_view bytes, const std::string &path);
 
-/// PLY, OFF and STL: checked by mesh_guard.h, then parsed by OpenMesh.
+/// `warnings`: what is left over after the last element.
 Mesh readPly(std::string_view bytes, const std::string &path, Warnings &warnings);
 Mesh readOff(std::string_view bytes, const std::string &path, Warnings &warnings);
-Mesh readStl(std::string_view bytes, const std::string &path, Warnings &warnings);
+Mesh readStl(std::string_view bytes, const std::string &path);
+
+/// What PLY and OFF check alike: "found a face of 2 corners, expected at least 3 corners" and the like.
+void checkCornerCount(std::int64_t corners, const Location &where);
+/// `index` as one of `vertices`.
+Index checkedVertex(std::int64_t index, std::size_t vertices, const Location &where);
+/// Fails unless `count` elements of at least `bytesEach` bytes fit into `bytesLeft`.
+void checkCount(std::int64_t count, std::size_t bytesEach, std::size_t bytesLeft, const std::string &what, const Location &where);
 
 /// Removes the faces with fewer than three distinct positions, with a warning that says how many (`what` names the file
 /// or the part of it).

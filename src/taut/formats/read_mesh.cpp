@@ -23,7 +23,7 @@ Mesh readByExtension(const std::string &path, Warnings &warnings) {
     if (bytes.size() > kLargestFile) throw InputError(path + ": found " + std::to_string(bytes.size()) + " bytes, expected at most 4 GiB");
     if (extension == "ply") return readPly(bytes, path, warnings);
     if (extension == "off") return readOff(bytes, path, warnings);
-    if (extension == "stl") return readStl(bytes, path, warnings);
+    if (extension == "stl") return readStl(bytes, path);
     return readObj(bytes, path);
 }
 
@@ -36,6 +36,26 @@ bool hasThreeDistinct(const Mesh &mesh, std::size_t face) {
 }
 
 } // namespace
+
+void checkCornerCount(std::int64_t corners, const Location &where) {
+    if (corners < 3) failInput(where, "a face of " + std::to_string(corners) + " corners", "at least 3 corners");
+    if (corners > 0x7fffffff)
+        failInput(where, "a face of " + std::to_string(corners) + " corners", "fewer corners than the file has bytes");
+}
+
+Index checkedVertex(std::int64_t index, std::size_t vertices, const Location &where) {
+    if (index < 0 || index >= static_cast<std::int64_t>(vertices))
+        failInput(where, "vertex index " + std::to_string(index),
+                  vertices == 0 ? "none, for the file has no vertex" : "0 to " + std::to_string(vertices - 1));
+    return static_cast<Index>(index);
+}
+
+void checkCount(std::int64_t count, std::size_t bytesEach, std::size_t bytesLeft, const std::string &what, const Location &where) {
+    const std::size_t most = bytesLeft / bytesEach;
+    if (count < 0 || static_cast<std::uint64_t>(count) > most)
+        failInput(where, std::to_string(count) + " " + what,
+                  "a count from 0 to " + std::to_string(most) + ", which is what fits into the rest of the file");
+}
 
 void dropDegenerateFaces(Mesh &mesh, const std::string &what, Warnings &warnings) {
     std::size_t keptFaces = 0;

@@ -1,11 +1,8 @@
 #pragma once
 /// Readers of single meshes: OBJ, PLY (ASCII and binary), OFF and STL (ASCII and binary).
 ///
-/// PLY, OFF and STL are parsed by OpenMesh, through an importer that fills our own structure, so polygons of any size and
-/// non-manifold meshes survive; a guard in front checks what OpenMesh takes on trust (header, counts against the file's
-/// length, list sizes), is what names the line or byte of a malformed file, and hands on what it has checked in the
-/// dialect that OpenMesh reads right (mesh_guard.h). OBJ is read here: OpenMesh's OBJ reader keeps no normal per corner and
-/// reports no position.
+/// Each format is read once, strictly: header, counts against the file's length, list sizes, indices; a mistake is named with
+/// its line and column or its byte. Polygons of any size, non-manifold edges and isolated vertices survive.
 ///
 /// Names: a position that no face uses is kept. A face with fewer than three distinct corners is dropped with a warning.
 /// Not finite coordinates are errors. STL, which is a soup of triangles, is welded by exact position.

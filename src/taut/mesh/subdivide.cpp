@@ -137,8 +137,6 @@ CageFaces facesOf(const Mesh &cage) {
     return faces;
 }
 
-using RefinerPointer = std::unique_ptr<Far::TopologyRefiner>;
-
 /// Creases of the mesh, and those of edges whose two faces turn by more than the options' angle, as OpenSubdiv takes them.
 struct Features {
     std::vector<int> edges; ///< pairs

@@ -1,11 +1,12 @@
 /// PLY, after G. Turk, "The PLY Polygon File Format" (1994): a header that describes elements, then their values.
 
-#include "taut/formats/canonical_ply.h"
-#include "taut/formats/mesh_guard.h"
+#include "taut/formats/raw_number.h"
+#include "taut/formats/read_formats.h"
 #include "taut/formats/text_scanner.h"
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <vector>
 
 namespace taut {
@@ -13,28 +14,24 @@ namespace taut {
 namespace {
 
 struct ScalarType {
-    std::string_view name;
+    std::array<std::string_view, 2> names;
     std::size_t bytes;
-    char kind; ///< i: signed, u: unsigned, f: floating point
+    double (*read)(const void *);
+    bool integer = true;
 };
-constexpr auto kTypes = std::to_array<ScalarType>({{"char", 1, 'i'},
-                                                   {"int8", 1, 'i'},
-                                                   {"uchar", 1, 'u'},
-                                                   {"uint8", 1, 'u'},
-                                                   {"short", 2, 'i'},
-                                                   {"int16", 2, 'i'},
-                                                   {"ushort", 2, 'u'},
-                                                   {"uint16", 2, 'u'},
-                                                   {"int", 4, 'i'},
-                                                   {"int32", 4, 'i'},
-                                                   {"uint", 4, 'u'},
-                                                   {"uint32", 4, 'u'},
-                                                   {"float", 4, 'f'},
-                                                   {"float32", 4, 'f'},
-                                                   {"double", 8, 'f'},
-                                                   {"float64", 8, 'f'}});
-/// Roles of properties: 0 to 7 are x y z nx ny nz s t of a vertex, in the order of CanonicalPly::addVertex; then what a mesh
-/// that `taut export` wrote has: M_x M_y M_z, tangent_x tangent_y tangent_z, tangent_sign_x, M_p_x M_q_x.
+constexpr auto kTypes = std::to_array<ScalarType>({{{"char", "int8"}, 1, rawAsDouble<std::int8_t>},
+                                                   {{"uchar", "uint8"}, 1, rawAsDouble<std::uint8_t>},
+                                                   {{"short", "int16"}, 2, rawAsDouble<std::int16_t>},
+                                                   {{"ushort", "uint16"}, 2, rawAsDouble<std::uint16_t>},
+                                                   {{"int", "int32"}, 4, rawAsDouble<std::int32_t>},
+                                                   {{"uint", "uint32"}, 4, rawAsDouble<std::uint32_t>},
+                                                   {{"float", "float32"}, 4, rawAsDouble<float>, false},
+                                                   {{"double", "float64"}, 8, rawAsDouble<double>, false}});
+
+/// Roles of properties: x y z nx ny nz s t of a vertex; then what a mesh that `taut export` wrote has: M_x M_y M_z, tangent_x
+/// tangent_y tangent_z, tangent_sign_x, M_p_x M_q_x.
+constexpr std::size_t kFirstNormal = 3;
+constexpr std::size_t kFirstUv = 6;
 constexpr std::size_t kFirstM = 8;
 constexpr std::size_t kFirstTangent = 11;
 constexpr std::size_t kTangentSign = 14;
@@ -76,9 +73,11 @@ struct Header {
 const ScalarType &readType(TextScanner &scanner, std::string_view word, bool integer) {
     std::vector<std::string_view> names;
     for (const ScalarType &type : kTypes) {
-        if (integer && type.kind == 'f') continue;
-        if (type.name == word) return type;
-        names.push_back(type.name);
+        if (integer && !type.integer) continue;
+        for (const std::string_view name : type.names) {
+            if (name == word) return type;
+            names.push_back(name);
+        }
     }
     failUnknownName(scanner.where(), word, names);
 }
@@ -232,20 +231,7 @@ class Body {
         std::memcpy(raw, bytes_.data() + pos_, type.bytes);
         pos_ += type.bytes;
         if (header_.bigEndian) std::reverse(raw, raw + type.bytes);
-        return decode(raw, type);
-    }
-    template <class T> static double as(const unsigned char *raw) {
-        T value;
-        std::memcpy(&value, raw, sizeof value);
-        return static_cast<double>(value);
-    }
-    static double decode(const unsigned char *raw, const ScalarType &type) {
-        switch (type.bytes) {
-        case 1: return type.kind == 'u' ? as<std::uint8_t>(raw) : as<std::int8_t>(raw);
-        case 2: return type.kind == 'u' ? as<std::uint16_t>(raw) : as<std::int16_t>(raw);
-        case 4: return type.kind == 'f' ? as<float>(raw) : type.kind == 'u' ? as<std::uint32_t>(raw) : as<std::int32_t>(raw);
-        default: return as<double>(raw);
-        }
+        return type.read(raw);
     }
 
     std::string_view bytes_;
@@ -257,27 +243,46 @@ class Body {
     bool firstLine_ = true;
 };
 
-/// M and its frame, of a mesh that `taut export` wrote.
-struct StoredGloss {
-    bool present = false;
-    std::vector<Vec3> m;
-    std::vector<Vec4> tangents;
+/// What a vertex has beside its position.
+struct VertexParts {
+    bool normals = false;
+    bool uvs = false;
+    bool gloss = false;      ///< M and its frame, of a mesh that `taut export` wrote
     std::size_t leaning = 0; ///< vertices whose M leans
-
-    void add(const float (&values)[kVertexIndices], const Location &where) {
-        if (!present) return;
-        const auto triple = [&](std::size_t first) { return Vec3(values[first], values[first + 1], values[first + 2]); };
-        m.push_back(triple(kFirstM));
-        if (!(m.back().x > 0 && m.back().z > 0))
-            failInput(where, "M with " + std::to_string(m.back().x) + " and " + std::to_string(m.back().z) + " on its diagonal",
-                      "M_x and M_z above 0");
-        tangents.emplace_back(triple(kFirstTangent), values[kTangentSign] < 0 ? -1.0F : 1.0F);
-        if (values[kFirstLean] != 0 || values[kFirstLean + 1] != 0) ++leaning;
-    }
 };
 
-/// One element of any kind: its line or bytes are checked, and what the mesh takes from it goes to `out` and `gloss`.
-void readElement(Body &body, const Element &element, std::size_t vertices, CanonicalPly &out, StoredGloss &gloss) {
+VertexParts assignVertexRoles(Element &vertex) {
+    if (!assignRoles(vertex, 0, {"x", "y", "z"}))
+        failInput(vertex.where, "an element vertex without scalar properties x, y and z", "all three");
+    VertexParts parts;
+    parts.normals = assignRoles(vertex, kFirstNormal, {"nx", "ny", "nz"});
+    parts.uvs = assignRoles(vertex, kFirstUv, {"s", "t"}) || assignRoles(vertex, kFirstUv, {"u", "v"}) ||
+                assignRoles(vertex, kFirstUv, {"texture_u", "texture_v"});
+    parts.gloss = vertex.find("tangent_x") != nullptr && assignRoles(vertex, kFirstM, {"M_x", "M_y", "M_z"}) &&
+                  assignRoles(vertex, kFirstTangent, {"tangent_x", "tangent_y", "tangent_z"});
+    if (parts.gloss) {
+        assignRoles(vertex, kTangentSign, {"tangent_sign_x"});
+        assignRoles(vertex, kFirstLean, {"M_p_x", "M_q_x"});
+    }
+    return parts;
+}
+
+void addVertex(const float (&values)[kVertexIndices], const Location &where, VertexParts &parts, Mesh &mesh) {
+    const auto triple = [&](std::size_t first) { return Vec3(values[first], values[first + 1], values[first + 2]); };
+    mesh.positions.push_back(triple(0));
+    if (parts.normals) mesh.normals.push_back(triple(kFirstNormal));
+    if (parts.uvs) mesh.uvs.emplace_back(values[kFirstUv], values[kFirstUv + 1]);
+    if (!parts.gloss) return;
+    const Vec3 m = triple(kFirstM);
+    if (!(m.x > 0 && m.z > 0))
+        failInput(where, "M with " + std::to_string(m.x) + " and " + std::to_string(m.z) + " on its diagonal", "M_x and M_z above 0");
+    mesh.storedM.push_back(m);
+    mesh.tangents.emplace_back(triple(kFirstTangent), values[kTangentSign] < 0 ? -1.0F : 1.0F);
+    if (values[kFirstLean] != 0 || values[kFirstLean + 1] != 0) ++parts.leaning;
+}
+
+/// One element of any kind: its line or bytes are checked, and the mesh takes from it what it keeps.
+void readElement(Body &body, const Element &element, std::size_t vertices, VertexParts &parts, Mesh &mesh) {
     float values[kVertexIndices] = {};
     body.beginElement();
     for (const Property &p : element.properties) {
@@ -288,54 +293,43 @@ void readElement(Body &body, const Element &element, std::size_t vertices, Canon
                 body.skip(*p.type, p.name);
             continue;
         }
+        const bool isFace = p.role == kVertexIndices;
         const std::int64_t length = body.integer(*p.countType, "the length of list " + taut::quoted(p.name));
-        if (p.role == kVertexIndices) checkCornerCount(length, body.where());
+        if (isFace) checkCornerCount(length, body.where());
         checkCount(length, body.leastBytes(*p.type), body.bytesLeft(), "items in list " + taut::quoted(p.name), body.where());
-        if (p.role == kVertexIndices) out.beginFace(static_cast<std::int32_t>(length));
         for (std::int64_t i = 0; i < length; ++i) {
-            if (p.role != kVertexIndices) {
+            if (!isFace) {
                 body.skip(*p.type, p.name);
                 continue;
             }
             const std::int64_t index = body.integer(*p.type, "a vertex index");
-            checkVertexIndex(index, vertices, body.where());
-            out.addCorner(static_cast<std::int32_t>(index));
+            mesh.cornerPositions.push_back(checkedVertex(index, vertices, body.where()));
         }
+        if (isFace) mesh.faceOffsets.push_back(static_cast<Index>(mesh.cornerPositions.size()));
     }
-    if (element.name == "vertex") {
-        out.addVertex(values);
-        gloss.add(values, body.where());
-    }
+    if (element.name == "vertex") addVertex(values, body.where(), parts, mesh);
     body.endElement();
 }
 
-} // namespace
-
-CheckedFile checkPly(std::string_view bytes, const std::string &path, Warnings &warnings) {
-    TextScanner scanner(bytes, path);
-    Header header = readHeader(scanner);
-    Element &vertex = requireElement(header, "vertex", scanner);
-    Element &face = requireElement(header, "face", scanner);
-    if (!assignRoles(vertex, 0, {"x", "y", "z"}))
-        failInput(vertex.where, "an element vertex without scalar properties x, y and z", "all three");
-    CanonicalPly out;
-    out.hasNormals = assignRoles(vertex, 3, {"nx", "ny", "nz"});
-    out.hasUvs =
-        assignRoles(vertex, 6, {"s", "t"}) || assignRoles(vertex, 6, {"u", "v"}) || assignRoles(vertex, 6, {"texture_u", "texture_v"});
-    StoredGloss gloss;
-    gloss.present = vertex.find("tangent_x") != nullptr && assignRoles(vertex, kFirstM, {"M_x", "M_y", "M_z"}) &&
-                    assignRoles(vertex, kFirstTangent, {"tangent_x", "tangent_y", "tangent_z"});
-    if (gloss.present) {
-        assignRoles(vertex, kTangentSign, {"tangent_sign_x"});
-        assignRoles(vertex, kFirstLean, {"M_p_x", "M_q_x"});
-    }
+Property &indexListOf(Element &face) {
     const auto isIndexList = [](const Property &p) {
-        return p.countType != nullptr && p.type->kind != 'f' && (p.name == "vertex_indices" || p.name == "vertex_index");
+        return p.countType != nullptr && p.type->integer && (p.name == "vertex_indices" || p.name == "vertex_index");
     };
     const auto indices = std::find_if(face.properties.begin(), face.properties.end(), isIndexList);
     if (indices == face.properties.end())
         failInput(face.where, "an element face without a list of integers vertex_indices", "'property list uchar int vertex_indices'");
-    indices->role = kVertexIndices;
+    return *indices;
+}
+
+} // namespace
+
+Mesh readPly(std::string_view bytes, const std::string &path, Warnings &warnings) {
+    TextScanner scanner(bytes, path);
+    Header header = readHeader(scanner);
+    Element &vertex = requireElement(header, "vertex", scanner);
+    Element &face = requireElement(header, "face", scanner);
+    VertexParts parts = assignVertexRoles(vertex);
+    indexListOf(face).role = kVertexIndices;
 
     Body body(bytes, header, std::move(scanner), path);
     for (const Element &element : header.elements) {
@@ -347,15 +341,16 @@ CheckedFile checkPly(std::string_view bytes, const std::string &path, Warnings &
             checkCount(element.count, least, body.bytesLeft() + (header.ascii ? 1 : 0), "elements " + taut::quoted(element.name),
                        element.where);
     }
+    Mesh mesh;
     for (const Element &element : header.elements)
-        for (std::int64_t i = 0; i < element.count; ++i) readElement(body, element, static_cast<std::size_t>(vertex.count), out, gloss);
+        for (std::int64_t i = 0; i < element.count; ++i) readElement(body, element, static_cast<std::size_t>(vertex.count), parts, mesh);
     if (!body.onlyBlanksLeft()) warnings.add(path + ": what follows the last element of the header was not read");
-    if (gloss.leaning > 0)
-        warnings.add(path + ": M leans at " + std::to_string(gloss.leaning) + " vertices; a stored M is taken as upright");
-    CheckedFile checked = out.finish();
-    checked.storedM = std::move(gloss.m);
-    checked.tangents = std::move(gloss.tangents);
-    return checked;
+    if (parts.leaning > 0)
+        warnings.add(path + ": M leans at " + std::to_string(parts.leaning) + " vertices; a stored M is taken as upright");
+    if (parts.normals) mesh.cornerNormals = mesh.cornerPositions;
+    if (parts.uvs) mesh.cornerUvs = mesh.cornerPositions;
+    if (parts.gloss) mesh.cornerTangents = mesh.cornerPositions;
+    return mesh;
 }
 
 } // namespace taut
