@@ -125,7 +125,7 @@ material = { Trim = "glass", Body = "car" }
     CHECK(cameraAtFrame(scene.camera, 2, 25).fovY == Approx(radians(50)));
 
     REQUIRE(scene.environment);
-    CHECK(radiance(*scene.environment, Vec3(0, 0, 1)) == Vec3(2, 4, 6));
+    CHECK(lookUpEnvironment(*scene.environment, Vec3(0, 0, 1)).radiance == Vec3(2, 4, 6));
     CHECK(!scene.environment->cameraVisible);
 
     REQUIRE(scene.lights.size() == 5);
@@ -225,7 +225,7 @@ TEST_CASE("without lights a scene gets the studio", "[scene]") {
     CHECK(loadText(folder, mesh + "[environment]\npreset = \"studio\"\nscale = 0.5\nrotation_deg = 90\n").environment->rotation ==
           Approx(radians(90)));
     const Scene file = loadText(folder, mesh + "[environment]\nfile = \"studio.exr\"\nscale = [2, 2, 4]\n");
-    CHECK(radiance(*file.environment, Vec3(1, 0, 0)) == Vec3(1, 1, 2));
+    CHECK(lookUpEnvironment(*file.environment, Vec3(1, 0, 0)).radiance == Vec3(1, 1, 2));
 }
 
 TEST_CASE("textures of a material", "[scene]") {

@@ -171,7 +171,7 @@ LightSample samplePart(const LightTable &table, const LightPart &part, const Vec
     const LightEntry &entry = table.entries[part.entry];
     switch (entry.kind) {
     case LightKind::Environment: {
-        const EnvironmentSample e = sample(*table.environment, u);
+        const EnvironmentSample e = sampleEnvironment(*table.environment, u);
         // Transposed: render from world. A constant sky is the same any way round and stays in render space, where a rigid motion
         // of camera and scene leaves no trace.
         return {table.environment->constant ? e.direction : e.direction * table.worldFromRender, kInfinity, e.radiance, e.pdf, false};
