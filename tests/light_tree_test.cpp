@@ -72,15 +72,15 @@ TEST_CASE("A light sample's density is that of meeting the same light", "[lights
             const LightSample s = sampleLight(table, choice, point, 0, random.pair());
             if (!(s.pdf > 0) || s.pdf > 1e5F) continue;
             float pdf = s.pdf;
-            if (entry.kind == LightKind::Mesh) {
+            if (std::holds_alternative<MeshEmitter>(entry.shape)) {
                 const Corners t = cornersOf(entry, choice.triangle);
                 const DVec3 n = glm::normalize(glm::cross(t.b - t.a, t.c - t.a));
                 const auto cosine = static_cast<float>(std::fabs(glm::dot(n, DVec3(s.direction))));
                 pdf = emitterHitPdf(table, {choice.entry, choice.triangle}, point, 0, s.distance, cosine);
-            } else if (entry.kind == LightKind::Quad || entry.kind == LightKind::Sphere) {
+            } else if (std::holds_alternative<PlacedQuad>(entry.shape) || std::holds_alternative<PlacedSphere>(entry.shape)) {
                 const LightHit hit = intersectLight(table, choice.entry, point, s.direction, kInfinity);
                 if (hit.entry == kNone) continue; // at the edge
-                pdf = lightHitPdf(table, choice.entry, point, hit.t, hit.absCosine);
+                pdf = lightHitPdf(table, hit, point);
             } else {
                 continue;
             }
@@ -132,8 +132,10 @@ TEST_CASE("Lights that degenerate are harmless", "[lights][tree]") {
         Scene scene = emptyScene();
         for (int i = 0; i < 1000; ++i) {
             Light light = randomLight(random, i);
-            light.type = i % 2 == 0 ? LightType::Point : LightType::Sphere;
-            light.corner = DVec3(1, 2, 3);
+            if (i % 2 == 0)
+                light.shape = PointLight{DVec3(1, 2, 3)};
+            else
+                light.shape = SphereLight{DVec3(1, 2, 3), 0.1};
             scene.lights.push_back(light);
         }
         const Lit lit(scene);

@@ -3,6 +3,7 @@
 #include "taut/formats/gltf_accessors.h"
 #include "taut/formats/gltf_source.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -169,17 +170,12 @@ GltfLight readLight(const GltfSource &source, std::size_t l) {
     const std::string where = jsonPath("extensions.KHR_lights_punctual.lights", l);
     GltfLight light;
     light.name = nameOr(gltf.name, "light", l);
-    if (gltf.type == kTypes[0])
-        light.type = GltfLight::Type::Directional;
-    else if (gltf.type == kTypes[1])
-        light.type = GltfLight::Type::Point;
-    else if (gltf.type == kTypes[2])
-        light.type = GltfLight::Type::Spot;
-    else
+    if (std::find(kTypes.begin(), kTypes.end(), gltf.type) == kTypes.end())
         failUnknownName({source.path + ": " + where + ".type", 0, 0, -1}, gltf.type, kTypes);
+    light.type = gltf.type;
     light.color = colour(source, where + ".color", gltf.color, Vec3(1));
     light.intensity = inRange(source, where + ".intensity", gltf.intensity, 0, 1e37);
-    if (light.type != GltfLight::Type::Spot) return light;
+    if (light.type != "spot") return light;
     light.outerConeAngle = inRange(source, where + ".spot.outerConeAngle", gltf.spot.outerConeAngle, 0, 1.5708);
     light.innerConeAngle = inRange(source, where + ".spot.innerConeAngle", gltf.spot.innerConeAngle, 0, gltf.spot.outerConeAngle);
     return light;

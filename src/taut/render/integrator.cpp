@@ -220,7 +220,7 @@ bool PathTracer::State::meetLights(Path &path, const Ray &ray, float farthest) c
             nearest = hit;
             return hit.t;
         }
-        const float weight = powerHeuristic(path.scatterPdf, lightHitPdf(lights, i, ray.origin, hit.t, hit.absCosine));
+        const float weight = powerHeuristic(path.scatterPdf, lightHitPdf(lights, hit, ray.origin));
         path.radiance += path.throughput * entry.radiance * weight;
         return end;
     };

@@ -1,0 +1,13 @@
+#pragma once
+/// The lights of a scene brought to a frame.
+
+#include "taut/render/lights.h"
+#include "taut/scene/scene.h"
+
+namespace taut {
+
+/// Fills the table from the scene's environment and lights and from what emits among `objects`, which stand where the frame wants them.
+void placeLights(const Scene &scene, std::span<const RenderObject> objects, const DMat4 &worldFromRender, const DMat4 &renderFromWorld,
+                 LightTable &table);
+
+} // namespace taut
