@@ -24,12 +24,16 @@ LightEntry emitter(const RenderObject &object) {
     return entry;
 }
 
+/// Whether two lights are chosen alike.
+bool isSame(const LightEntry &a, const LightEntry &b) {
+    return a.radiance == b.radiance && a.shape == b.shape;
+}
+
 } // namespace
 
-void placeLights(const Scene &scene, std::span<const RenderObject> objects, const DMat4 &worldFromRender, const DMat4 &renderFromWorld,
+bool placeLights(const Scene &scene, std::span<const RenderObject> objects, const DMat4 &worldFromRender, const DMat4 &renderFromWorld,
                  LightTable &table) {
-    std::vector<LightEntry> &entries = table.entries;
-    entries.clear();
+    std::vector<LightEntry> entries;
     table.worldFromRender = Mat3(DMat3(worldFromRender));
     table.environment = scene.environment && scene.environment->mean != Vec3(0) ? &*scene.environment : nullptr;
     table.environmentEntry = kNone;
@@ -40,13 +44,19 @@ void placeLights(const Scene &scene, std::span<const RenderObject> objects, cons
         entries.back().shape = EnvironmentLight{table.environment, table.worldFromRender};
     }
     for (const Light &light : scene.lights) entries.push_back(placed(light, renderFromWorld));
+    bool moved = false;
     table.entryOfObject.assign(objects.size(), kNone);
     for (std::size_t i = 0; i < objects.size(); ++i) {
         if (!isSampled(*objects[i].object)) continue;
         table.entryOfObject[i] = static_cast<Index>(entries.size());
         entries.push_back(emitter(objects[i]));
+        moved |= objects[i].moved;
     }
-    prepareChoice(table);
+    const bool kept = !moved && std::equal(entries.begin(), entries.end(), table.entries.begin(), table.entries.end(), isSame);
+    for (std::size_t i = 0; kept && i < entries.size(); ++i) entries[i].firstPart = table.entries[i].firstPart;
+    table.entries = std::move(entries);
+    if (!kept) prepareChoice(table);
+    return kept;
 }
 
 } // namespace taut

@@ -98,6 +98,7 @@ void RenderScene::setFrame(double frame, StageTimes &times) {
         for (std::size_t step = 0; step < shutterTimes; ++step)
             moved |= moveObject(object, step, frameOfStep(render, frame, step, shutterTimes), render.fps, renderFromWorld,
                                 times.deformation, times.gradient);
+        object.moved = moved;
         Stopwatch watch;
         const std::vector<Vec3> &positions = object.steps.front().positions;
         if (!committed_) {
