@@ -55,7 +55,7 @@ double cosAtRow(int row, int height) {
 
 TEST_CASE("the environment's density integrates to one", "[environment]") {
     for (const Environment &e : {harshEnvironment(), harshEnvironment(7, 5), constantEnvironment(Vec3(2))}) {
-        const DVec3 mass = overSphere(1200, [&](const Vec3 &w) { return Vec3(samplePdf(e, w)); });
+        const DVec3 mass = overSphere(1200, [&](const Vec3 &w) { return Vec3(lookUpEnvironment(e, w).pdf); });
         CHECK(mass.x == Approx(1).epsilon(2e-3)); // the grid cuts through texels
     }
     const Environment e = harshEnvironment(); // exact: constant over each texel
@@ -64,7 +64,8 @@ TEST_CASE("the environment's density integrates to one", "[environment]") {
         for (int x = 0; x < e.width; ++x) {
             const double z = 0.5 * (cosAtRow(y, e.height) + cosAtRow(y + 1, e.height));
             const double azimuth = e.rotation + kTwoPi * (0.5 - (x + 0.5) / e.width);
-            mass += samplePdf(e, directionAt(z, azimuth)) * (cosAtRow(y, e.height) - cosAtRow(y + 1, e.height)) * kTwoPi / e.width;
+            mass +=
+                lookUpEnvironment(e, directionAt(z, azimuth)).pdf * (cosAtRow(y, e.height) - cosAtRow(y + 1, e.height)) * kTwoPi / e.width;
         }
     CHECK(mass == Approx(1).epsilon(1e-5));
 }
@@ -85,13 +86,13 @@ TEST_CASE("environment samples follow the density", "[environment]") {
             for (int x = 0; x < 2 * columns; ++x) {
                 const Vec3 w = directionAt(0.5 * (edge(y) + edge(y + 1)), e.rotation + kTwoPi * (0.5 - (x + 0.5) / (2 * columns)));
                 expected[static_cast<std::size_t>(y * 2 * columns + x)] =
-                    kSamples * samplePdf(e, w) * (edge(y) - edge(y + 1)) * kTwoPi / (2 * columns);
+                    kSamples * lookUpEnvironment(e, w).pdf * (edge(y) - edge(y + 1)) * kTwoPi / (2 * columns);
             }
         std::mt19937 random(17);
         std::uniform_real_distribution<float> uniform(0, 1);
         for (int i = 0; i < kSamples; ++i) {
             const float u = std::min(uniform(random), kOneMinusEpsilon);
-            const EnvironmentSample s = sample(e, {u, std::min(uniform(random), kOneMinusEpsilon)});
+            const EnvironmentSample s = sampleEnvironment(e, {u, std::min(uniform(random), kOneMinusEpsilon)});
             int y = 0;
             while (y + 1 < 2 * rows && s.direction.z < edge(y + 1)) ++y;
             double turn = 0.5 - (std::atan2(s.direction.y, s.direction.x) - e.rotation) / kTwoPi;
@@ -103,7 +104,7 @@ TEST_CASE("environment samples follow the density", "[environment]") {
     }
 }
 
-TEST_CASE("an environment sample agrees with radiance() and samplePdf()", "[environment]") {
+TEST_CASE("an environment sample agrees with what is looked up", "[environment]") {
     const Environment e = harshEnvironment();
     std::mt19937 random(23);
     std::uniform_real_distribution<float> uniform(0, kOneMinusEpsilon);
@@ -113,28 +114,28 @@ TEST_CASE("an environment sample agrees with radiance() and samplePdf()", "[envi
     float brightest = 0;
     for (const Vec3 &texel : e.texels) brightest = std::max(brightest, maxComponent(texel));
     for (int i = 0; i < kSamples; ++i) {
-        const EnvironmentSample s = sample(e, {uniform(random), uniform(random)});
+        const EnvironmentSample s = sampleEnvironment(e, {uniform(random), uniform(random)});
         REQUIRE(s.pdf > 0);
         REQUIRE(glm::length(s.direction) == Approx(1).epsilon(1e-6));
-        const float pdf = samplePdf(e, s.direction);
+        const float pdf = lookUpEnvironment(e, s.direction).pdf;
         if (s.pdf != pdf && pdf != 0) ++acrossAnEdge;
         // Where the point was drawn in the map against where its rounded direction leads back to: 1e-6 of the map's width.
-        REQUIRE(glm::distance(s.radiance, radiance(e, s.direction)) < 1e-3F * brightest);
+        REQUIRE(glm::distance(s.radiance, lookUpEnvironment(e, s.direction).radiance) < 1e-3F * brightest);
         estimate += DVec3(s.radiance / s.pdf);
     }
     CHECK(acrossAnEdge < kSamples / 1000);
     estimate /= kSamples;
-    const DVec3 truth = overSphere(1500, [&](const Vec3 &w) { return radiance(e, w); });
+    const DVec3 truth = overSphere(1500, [&](const Vec3 &w) { return lookUpEnvironment(e, w).radiance; });
     for (int c = 0; c < 3; ++c) CHECK(estimate[c] == Approx(truth[c]).epsilon(0.01));
     // The blurred texels' mean differs from the truth only by the cosine's curve within a row.
     const DVec3 mean = DVec3(harshEnvironment(64, 32).mean) * 2.0 * kTwoPi;
     const Environment fine = harshEnvironment(64, 32);
-    const DVec3 fineTruth = overSphere(1500, [&](const Vec3 &w) { return radiance(fine, w); });
+    const DVec3 fineTruth = overSphere(1500, [&](const Vec3 &w) { return lookUpEnvironment(fine, w).radiance; });
     for (int c = 0; c < 3; ++c) CHECK(mean[c] == Approx(fineTruth[c]).epsilon(0.01));
     // The corners of the unit square of random numbers.
     for (const float x : {0.0F, kOneMinusEpsilon})
         for (const float y : {0.0F, kOneMinusEpsilon}) {
-            const EnvironmentSample s = sample(e, {x, y});
+            const EnvironmentSample s = sampleEnvironment(e, {x, y});
             CHECK(s.pdf > 0);
             CHECK(isFinite(s.direction));
         }
@@ -153,9 +154,9 @@ TEST_CASE("the density is positive wherever the radiance is", "[environment]") {
     int lit = 0;
     for (int i = 0; i < 200000; ++i) {
         const Vec3 w = directionAt(1 - 2 * uniform(random), kTwoPi * uniform(random));
-        if (radiance(e, w) == Vec3(0)) continue;
+        if (lookUpEnvironment(e, w).radiance == Vec3(0)) continue;
         ++lit;
-        REQUIRE(samplePdf(e, w) > 0);
+        REQUIRE(lookUpEnvironment(e, w).pdf > 0);
     }
     CHECK(lit > 1000);
 }
@@ -168,8 +169,8 @@ TEST_CASE("a black environment samples as a constant", "[environment]") {
     e.texels.assign(8, Vec3(0));
     buildSampling(e);
     CHECK(e.constant);
-    CHECK(sample(e, {0.3F, 0.6F}).pdf == Approx(1 / (2 * kTwoPi)));
-    CHECK(radiance(e, Vec3(0, 0, 1)) == Vec3(0));
+    CHECK(sampleEnvironment(e, {0.3F, 0.6F}).pdf == Approx(1 / (2 * kTwoPi)));
+    CHECK(lookUpEnvironment(e, Vec3(0, 0, 1)).radiance == Vec3(0));
 }
 
 TEST_CASE("environment map directions", "[environment]") {
@@ -185,15 +186,15 @@ TEST_CASE("environment map directions", "[environment]") {
     const float z = std::cos(kPi * 1.5F / 4); // the second row's centre
     const float r = std::sqrt(1 - z * z);
     const Environment e = readEnvironment(path, 0, Vec3(1));
-    CHECK(radiance(e, {r, 0, z}).x == Approx(4));
-    CHECK(radiance(e, {0, r, z}).x == Approx(5));
-    CHECK(radiance(e, {-r, 0, z}).x == Approx(0).margin(1e-5));
-    CHECK(radiance(e, {0, 0, 1}).x == Approx(7));
-    CHECK(radiance(e, {0, 0, -1}).x == Approx(0));
+    CHECK(lookUpEnvironment(e, {r, 0, z}).radiance.x == Approx(4));
+    CHECK(lookUpEnvironment(e, {0, r, z}).radiance.x == Approx(5));
+    CHECK(lookUpEnvironment(e, {-r, 0, z}).radiance.x == Approx(0).margin(1e-5));
+    CHECK(lookUpEnvironment(e, {0, 0, 1}).radiance.x == Approx(7));
+    CHECK(lookUpEnvironment(e, {0, 0, -1}).radiance.x == Approx(0));
     // Turned a quarter about z: what was seen along +x is seen along +y.
     const Environment turned = readEnvironment(path, radians(90), Vec3(2, 1, 1));
-    CHECK(radiance(turned, {0, r, z}).x == Approx(8));
-    CHECK(radiance(turned, {-r, 0, z}).x == Approx(10));
+    CHECK(lookUpEnvironment(turned, {0, r, z}).radiance.x == Approx(8));
+    CHECK(lookUpEnvironment(turned, {-r, 0, z}).radiance.x == Approx(10));
 }
 
 TEST_CASE("environment files that can't be radiance", "[environment][malformed]") {
@@ -255,14 +256,14 @@ TEST_CASE("environments give many lanes what they give one", "[environment][batc
                                      : i == 1 ? Vec3(-1, 0, 0)
                                               : directionAt(1 - static_cast<double>(i) / 30, azimuth));
             }
-            sample(e, drawn, set);
-            lookup(e, met, set);
+            sampleEnvironment(e, drawn, set);
+            lookUpEnvironment(e, met, set);
             for (std::size_t i = 0; i < 61; ++i) {
-                const EnvironmentSample one = sample(e, {drawn.u[i], drawn.v[i]});
+                const EnvironmentSample one = sampleEnvironment(e, {drawn.u[i], drawn.v[i]});
                 CHECK(drawn.direction.at(i) == one.direction);
                 CHECK(drawn.radiance.at(i) == one.radiance);
                 CHECK(drawn.pdf[i] == one.pdf);
-                const EnvironmentLookup seen = lookup(e, met.direction.at(i));
+                const EnvironmentLookup seen = lookUpEnvironment(e, met.direction.at(i));
                 CHECK(met.radiance.at(i) == seen.radiance);
                 CHECK(met.pdf[i] == seen.pdf);
             }

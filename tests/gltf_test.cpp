@@ -162,7 +162,7 @@ TEST_CASE("glTF: materials, images, cameras and lights", "[mesh][gltf]") {
     CHECK(file.cameras[0].perspective);
     CHECK(file.cameras[0].yFov == 0.75F);
     REQUIRE(file.lights.size() == 1);
-    CHECK(file.lights[0].type == GltfLight::Type::Spot);
+    CHECK(file.lights[0].type == "spot");
     CHECK(file.lights[0].color == Vec3(1, 0.5F, 0.25F));
     CHECK(file.lights[0].intensity == 20);
     CHECK(file.lights[0].innerConeAngle == 0.25F);

@@ -2,6 +2,8 @@
 
 #include "many_lights.h"
 
+#include "taut/render/place_lights.h"
+
 #include <catch2/catch.hpp>
 #include <tbb/global_control.h>
 
@@ -72,15 +74,15 @@ TEST_CASE("A light sample's density is that of meeting the same light", "[lights
             const LightSample s = sampleLight(table, choice, point, 0, random.pair());
             if (!(s.pdf > 0) || s.pdf > 1e5F) continue;
             float pdf = s.pdf;
-            if (entry.kind == LightKind::Mesh) {
+            if (std::holds_alternative<MeshEmitter>(entry.shape)) {
                 const Corners t = cornersOf(entry, choice.triangle);
                 const DVec3 n = glm::normalize(glm::cross(t.b - t.a, t.c - t.a));
                 const auto cosine = static_cast<float>(std::fabs(glm::dot(n, DVec3(s.direction))));
                 pdf = emitterHitPdf(table, {choice.entry, choice.triangle}, point, 0, s.distance, cosine);
-            } else if (entry.kind == LightKind::Quad || entry.kind == LightKind::Sphere) {
+            } else if (std::holds_alternative<PlacedQuad>(entry.shape) || std::holds_alternative<PlacedSphere>(entry.shape)) {
                 const LightHit hit = intersectLight(table, choice.entry, point, s.direction, kInfinity);
                 if (hit.entry == kNone) continue; // at the edge
-                pdf = lightHitPdf(table, choice.entry, point, hit.t, hit.absCosine);
+                pdf = lightHitPdf(table, hit, point);
             } else {
                 continue;
             }
@@ -132,8 +134,10 @@ TEST_CASE("Lights that degenerate are harmless", "[lights][tree]") {
         Scene scene = emptyScene();
         for (int i = 0; i < 1000; ++i) {
             Light light = randomLight(random, i);
-            light.type = i % 2 == 0 ? LightType::Point : LightType::Sphere;
-            light.corner = DVec3(1, 2, 3);
+            if (i % 2 == 0)
+                light.shape = PointLight{DVec3(1, 2, 3)};
+            else
+                light.shape = SphereLight{DVec3(1, 2, 3), 0.1};
             scene.lights.push_back(light);
         }
         const Lit lit(scene);
@@ -222,4 +226,76 @@ TEST_CASE("Images lit by many emitters are the same bits for one and two threads
         return renderImage(scene, 1, 8);
     };
     CHECK(onThreads(1) == onThreads(2));
+}
+
+TEST_CASE("The tree is kept where nothing moves, and is that of a fresh scene where something has", "[lights][tree]") {
+    Scene scene = manyLights(60, 40, true);
+    StageTimes times;
+    LightTable table;
+    const auto placedAt = [&](RenderScene &ready, double frame, LightTable &into) {
+        ready.setFrame(frame, times);
+        return placeLights(scene, ready.objects(), ready.worldFromRender(), glm::inverse(ready.worldFromRender()), into);
+    };
+    const auto isKept = [&](RenderScene &ready, double frame) {
+        const bool kept = placedAt(ready, frame, table);
+        RenderScene again(scene, true);
+        LightTable fresh;
+        CHECK_FALSE(placedAt(again, frame, fresh));
+        REQUIRE(!table.few);
+        const LightTable &a = table;
+        const LightTable &b = fresh;
+        REQUIRE(a.tree.nodes.size() == b.tree.nodes.size());
+        CHECK(std::memcmp(a.tree.nodes.data(), b.tree.nodes.data(), a.tree.nodes.size() * sizeof(LightNode)) == 0);
+        CHECK(a.tree.paths == b.tree.paths);
+        CHECK(a.everywhere == b.everywhere);
+        for (std::size_t i = 0; i < a.entries.size(); ++i) CHECK(a.entries[i].firstPart == b.entries[i].firstPart);
+        return kept;
+    };
+    SECTION("nothing, then a light of the scene") {
+        RenderScene ready(scene, true);
+        CHECK_FALSE(isKept(ready, 1));
+        CHECK(isKept(ready, 2));
+        CHECK(isKept(ready, 2));
+        scene.lights[7].radiance *= 2;
+        CHECK_FALSE(isKept(ready, 3));
+        CHECK(isKept(ready, 4));
+        scene.lights[6].shape = PointLight{DVec3(1, 0, 2)};
+        CHECK_FALSE(isKept(ready, 5));
+        scene.lights[5].cameraVisible = !scene.lights[5].cameraVisible;
+        CHECK(isKept(ready, 6));
+        CHECK(table.entries[6].cameraVisible == scene.lights[5].cameraVisible); // the sky comes first
+        scene.lights.pop_back();
+        CHECK_FALSE(isKept(ready, 7));
+    }
+    SECTION("the camera until frame 3") {
+        scene.camera.position.keys = {{1, DVec3(0)}, {3, DVec3(0, 0, 2)}};
+        RenderScene ready(scene, true);
+        CHECK_FALSE(isKept(ready, 1));
+        CHECK_FALSE(isKept(ready, 2));
+        CHECK_FALSE(isKept(ready, 3));
+        CHECK(isKept(ready, 4));
+    }
+    SECTION("an emitter until frame 3") {
+        for (const bool deforms : {false, true}) {
+            scene = manyLights(60, 40, true);
+            if (deforms) {
+                scene.objects[1].deformers = {stretchDeformer(DVec3(1))};
+                scene.objects[1].deformers[0].factor.keys = {{1, DVec3(1)}, {3, DVec3(2, 1, 1)}};
+            } else {
+                scene.objects[1].placement.translation.keys = {{1, DVec3(0)}, {3, DVec3(1, 0, 0)}};
+            }
+            RenderScene ready(scene, true);
+            CHECK_FALSE(isKept(ready, 1));
+            CHECK_FALSE(isKept(ready, 2));
+            CHECK_FALSE(isKept(ready, 3));
+            if (!deforms) CHECK(isKept(ready, 4));
+        }
+    }
+    SECTION("another mesh, which shines not") {
+        scene.objects.push_back(makeObject(makeTorus(8, 8, 0.5F, 0.2F)));
+        scene.objects.back().placement.translation.keys = {{1, DVec3(0)}, {3, DVec3(1, 0, 0)}};
+        RenderScene ready(scene, true);
+        CHECK_FALSE(isKept(ready, 1));
+        CHECK(isKept(ready, 2));
+    }
 }

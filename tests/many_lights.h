@@ -4,8 +4,6 @@
 #include "direction_bins.h"
 #include "render_fixtures.h"
 
-#include "taut/render/light_bounds.h"
-
 namespace taut::test {
 
 /// Lights of a scene whose world is render space, at frame 1.
@@ -64,20 +62,15 @@ inline Object emitter(Mesh mesh, float radiance, bool twoSided) {
 }
 
 inline Light randomLight(Uniform &random, int i) {
-    constexpr LightType kTypes[] = {LightType::Quad, LightType::Sphere, LightType::Point, LightType::Spot};
-    Light light;
-    light.type = kTypes[i % 4];
-    light.corner = DVec3(randomPoint(random, 4));
-    light.radius = 0.02 + 0.1 * static_cast<double>(random.number());
-    light.u = 0.3 * DVec3(randomDirection(random));
-    light.v = 0.3 * DVec3(randomDirection(random));
-    light.direction = DVec3(randomDirection(random));
-    light.outerAngle = 0.3 + 0.9 * static_cast<double>(random.number());
-    light.innerAngle = 0.5 * light.outerAngle;
-    light.radiance = Vec3(std::exp(3 * random.number()));
-    light.twoSided = i % 8 == 0;
-    light.cameraVisible = i % 3 == 0;
-    return light;
+    const DVec3 at(randomPoint(random, 4));
+    const double radius = 0.02 + 0.1 * static_cast<double>(random.number());
+    const DVec3 u = 0.3 * DVec3(randomDirection(random));
+    const DVec3 v = 0.3 * DVec3(randomDirection(random));
+    const DVec3 direction(randomDirection(random));
+    const double outerAngle = 0.3 + 0.9 * static_cast<double>(random.number());
+    const LightShape shapes[] = {QuadLight{at, u, v, i % 8 == 0}, SphereLight{at, radius}, PointLight{at},
+                                 SpotLight{at, direction, 0.5 * outerAngle, outerAngle}};
+    return {Vec3(std::exp(3 * random.number())), shapes[i % 4], i % 3 == 0};
 }
 
 /// Quads, spheres, points, spots and triangles of two meshes; with a map and a sun where asked for.
@@ -90,9 +83,7 @@ inline Scene manyLights(int lights, int triangles, bool everywhere) {
         scene.objects.push_back(emitter(randomTriangles(random, triangles / 2, 1), 2, true));
     }
     if (!everywhere) return scene;
-    Light sun;
-    sun.type = LightType::Directional;
-    scene.lights.push_back(sun);
+    scene.lights.push_back({Vec3(1), DirectionalLight()});
     scene.environment = studioEnvironment();
     return scene;
 }
@@ -107,8 +98,9 @@ struct Corners {
     DVec3 a, b, c;
 };
 inline Corners cornersOf(const LightEntry &entry, Index triangle, float time = 0) {
-    const Index3 &t = entry.triangles[triangle];
-    return {DVec3(emitterPosition(entry, t.x, time)), DVec3(emitterPosition(entry, t.y, time)), DVec3(emitterPosition(entry, t.z, time))};
+    const auto &mesh = std::get<MeshEmitter>(entry.shape);
+    const Index3 &t = mesh.triangles[triangle];
+    return {DVec3(emitterPosition(mesh, t.x, time)), DVec3(emitterPosition(mesh, t.y, time)), DVec3(emitterPosition(mesh, t.z, time))};
 }
 
 /// Irradiance from a small piece of surface on a receiver whose normal is n.
@@ -139,19 +131,19 @@ inline double irradiance(const LightTable &table, const LightPart &part, const V
     const DVec3 point(at);
     const DVec3 n(normal);
     const auto brightness = static_cast<double>(e.radiance.x);
-    const DVec3 toLight = DVec3(e.origin) - point;
-    const double distance = glm::length(toLight);
-    switch (e.kind) {
-    case LightKind::Mesh: return brightness * fromTriangle(point, n, cornersOf(e, part.triangle), e.twoSided, 8);
-    case LightKind::Quad: {
-        const DVec3 o(e.origin);
-        const DVec3 u(e.u);
-        const DVec3 v(e.v);
-        return brightness * (fromTriangle(point, n, {o, o + u, o + v}, e.twoSided, 9) +
-                             fromTriangle(point, n, {o + u + v, o + v, o + u}, e.twoSided, 9));
+    if (const auto *mesh = std::get_if<MeshEmitter>(&e.shape))
+        return brightness * fromTriangle(point, n, cornersOf(e, part.triangle), mesh->twoSided, 8);
+    if (const auto *quad = std::get_if<PlacedQuad>(&e.shape)) {
+        const DVec3 o(quad->corner);
+        const DVec3 u(quad->u);
+        const DVec3 v(quad->v);
+        return brightness * (fromTriangle(point, n, {o, o + u, o + v}, quad->twoSided, 9) +
+                             fromTriangle(point, n, {o + u + v, o + v, o + u}, quad->twoSided, 9));
     }
-    case LightKind::Sphere: {
-        const double cap = 1 - std::sqrt(1 - sqr(static_cast<double>(e.radius) / distance));
+    if (const auto *sphere = std::get_if<PlacedSphere>(&e.shape)) {
+        const DVec3 toLight = DVec3(sphere->centre) - point;
+        const double distance = glm::length(toLight);
+        const double cap = 1 - std::sqrt(1 - sqr(static_cast<double>(sphere->radius) / distance));
         const DVec3 axis = toLight / distance;
         const DVec3 s = glm::normalize(glm::cross(axis, std::fabs(axis.x) < 0.6 ? DVec3(1, 0, 0) : DVec3(0, 1, 0)));
         const DVec3 t = glm::cross(axis, s);
@@ -166,12 +158,14 @@ inline double irradiance(const LightTable &table, const LightPart &part, const V
             }
         return brightness * sum * 2 * kPiD * cap / (kN * kN);
     }
-    default: break;
-    }
+    const auto *spot = std::get_if<PlacedSpot>(&e.shape);
+    const DVec3 toLight = DVec3(spot != nullptr ? spot->position : std::get<PlacedPoint>(e.shape).position) - point;
+    const double distance = glm::length(toLight);
     double fade = 1;
-    if (e.kind == LightKind::Spot) {
-        const double cosine = -glm::dot(toLight, DVec3(e.direction)) / distance;
-        fade = sqr(std::clamp((cosine - static_cast<double>(e.cosOuter)) / static_cast<double>(e.cosInner - e.cosOuter), 0.0, 1.0));
+    if (spot != nullptr) {
+        const double cosine = -glm::dot(toLight, DVec3(spot->direction)) / distance;
+        fade = sqr(
+            std::clamp((cosine - static_cast<double>(spot->cosOuter)) / static_cast<double>(spot->cosInner - spot->cosOuter), 0.0, 1.0));
     }
     return brightness * fade * std::max(0.0, glm::dot(n, toLight)) / (distance * distance * distance);
 }

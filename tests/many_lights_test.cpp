@@ -48,10 +48,11 @@ TEST_CASE("A large mesh emitter close by is noisy by area and quiet by the tree"
     const Lit lit(scene);
     const LightTable &table = lit.table();
     const LightEntry &entry = table.entries[0];
+    const auto triangles = std::get<MeshEmitter>(entry.shape).triangles;
     const Vec3 normal(0, 0, 1);
     std::vector<double> below; // cumulative areas
     double area = 0;
-    for (Index t = 0; t < entry.triangles.size(); ++t) {
+    for (Index t = 0; t < triangles.size(); ++t) {
         const Corners c = cornersOf(entry, t);
         below.push_back(area += 0.5 * glm::length(glm::cross(c.b - c.a, c.c - c.a)));
     }
@@ -110,9 +111,7 @@ TEST_CASE("A plane under a glowing mesh is as bright as its triangles say", "[li
         Scene asSphere = scene;
         asSphere.objects.pop_back();
         Light sphere;
-        sphere.type = LightType::Sphere;
-        sphere.corner = DVec3(0, 0, 1);
-        sphere.radius = 0.5;
+        sphere.shape = SphereLight{DVec3(0, 0, 1), 0.5};
         sphere.radiance = Vec3(3);
         asSphere.lights = {sphere};
         // The faceted ball is smaller than the sphere by what truth says of the irradiance below it: 3 pi (r / h)^2.
@@ -139,14 +138,15 @@ TEST_CASE("Mesh emitters that move are sampled where they are", "[lights][tree][
         const Lit lit(scene);
         const LightTable &table = lit.table();
         const LightEntry &entry = table.entries[0];
-        REQUIRE(std::max(entry.steps.size(), entry.placements.size()) == 5);
+        const auto &mesh = std::get<MeshEmitter>(entry.shape);
+        REQUIRE(std::max(mesh.steps.size(), mesh.placements.size()) == 5);
         Uniform random(17);
         for (const Vec3 &point : {Vec3(0), Vec3(0.4F, 0.1F, -0.6F), Vec3(0, -5, 0)}) {
             const Vec3 normal = glm::normalize(Vec3(0, 0.3F, 1));
             double truth = 0;
             constexpr int kTimes = 128;
             for (int k = 0; k < kTimes; ++k)
-                for (Index t = 0; t < entry.triangles.size(); ++t)
+                for (Index t = 0; t < mesh.triangles.size(); ++t)
                     truth +=
                         2.0 / kTimes *
                         fromTriangle(DVec3(point), DVec3(normal), cornersOf(entry, t, (static_cast<float>(k) + 0.5F) / kTimes), false, 3);

@@ -16,13 +16,7 @@ double furnace(const Material &material, int spp, bool sun = false) {
     Scene scene = smallScene(sphere, material, 32);
     scene.lights.clear();
     scene.environment = constantEnvironment(Vec3(1));
-    if (sun) {
-        Light light;
-        light.type = LightType::Directional;
-        light.direction = glm::normalize(DVec3(0.2, 1, -1));
-        light.radiance = Vec3(1);
-        scene.lights = {light};
-    }
+    if (sun) scene.lights = {{Vec3(1), DirectionalLight{glm::normalize(DVec3(0.2, 1, -1))}}};
     scene.render.maxEvents = 32;
     const std::vector<float> image = renderImage(scene, 1, spp, {"shading_normal", "position"});
     const DVec3 eye = scene.camera.position.first();

@@ -1,7 +1,7 @@
 /// Light of several facets against its own noise: what a plan predicts, and what renders find.
 
-#include "study/render_image.h"
 #include "render_fixtures.h"
+#include "study/render_image.h"
 
 #include "taut/plan/light_coverage.h"
 #include "taut/plan/plan.h"
@@ -22,12 +22,7 @@ Bounds pointBox(const Vec3 &p) {
 }
 
 Light quadAbove(float height, float side, float radiance) {
-    Light quad; // facing down
-    quad.corner = DVec3(-side / 2, side / 2, height);
-    quad.u = DVec3(side, 0, 0);
-    quad.v = DVec3(0, -side, 0);
-    quad.radiance = Vec3(radiance);
-    return quad;
+    return {Vec3(radiance), QuadLight{DVec3(-side / 2, side / 2, height), DVec3(side, 0, 0), DVec3(0, -side, 0)}}; // facing down
 }
 
 /// A metal plate under a small lamp, a sky or both.
@@ -83,15 +78,10 @@ TEST_CASE("Coverage is the share of the hemisphere that lights fill", "[plan][no
     CHECK(lightCoverage(lightsOf(scene, 1), pointBox(Vec3(0)), 0) == Approx(angle / (2 * kPi)).epsilon(0.01));
     CHECK(lightCoverage(lightsOf(scene, 1), pointBox(Vec3(0)), 0.1F) == Approx(0.1F / (2 * kPi)).epsilon(0.01));
     CHECK(lightCoverage(lightsOf(scene, 1), pointBox(Vec3(0, 0, 20)), 0) == 1); // dark: nothing to find
-    Light ball = scene.lights[0];
-    ball.type = LightType::Sphere;
-    ball.corner = DVec3(0, 0, 10);
-    ball.radius = 0.3;
-    scene.lights = {ball};
+    scene.lights = {{Vec3(7), SphereLight{DVec3(0, 0, 10), 0.3}}};
     CHECK(lightCoverage(lightsOf(scene, 1), pointBox(Vec3(0)), 0) == Approx(kPi * 0.09F / 100 / (2 * kPi)).epsilon(0.01));
     // Two of the same size: twice as much; a box reaches up to the light.
-    scene.lights.push_back(ball);
-    scene.lights[1].corner = DVec3(10, 0, 0);
+    scene.lights.push_back({Vec3(7), SphereLight{DVec3(10, 0, 0), 0.3}});
     const float both = lightCoverage(lightsOf(scene, 1), pointBox(Vec3(0)), 0);
     CHECK(both == Approx(kPi * 0.09F / 100 / kPi).epsilon(0.01));
     Bounds box = pointBox(Vec3(0));

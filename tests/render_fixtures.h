@@ -37,13 +37,7 @@ inline Scene smallScene(Object object, const Material &material, int size = 48) 
     scene.objects.push_back(std::move(object));
     scene.camera.position = DVec3(0.3, -2.2, 1.9);
     scene.camera.lookAt = DVec3(0);
-    Light quad;
-    quad.corner = DVec3(-1.5, 1, 1.5);
-    quad.u = DVec3(0, 0, 1);
-    quad.v = DVec3(1.5, 0, 0);
-    quad.radiance = Vec3(6, 5, 4);
-    quad.twoSided = true;
-    scene.lights.push_back(quad);
+    scene.lights.push_back({Vec3(6, 5, 4), QuadLight{DVec3(-1.5, 1, 1.5), DVec3(0, 0, 1), DVec3(1.5, 0, 0), true}});
     scene.environment = constantEnvironment(Vec3(0.2F, 0.25F, 0.3F));
     return scene;
 }

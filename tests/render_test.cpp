@@ -50,10 +50,8 @@ Scene movedRigidly(Scene scene, const DVec3 &angles, const DVec3 &translation) {
     scene.camera.lookAt = point(scene.camera.lookAt.first());
     scene.camera.up = vector(scene.camera.up.first());
     for (Light &light : scene.lights) {
-        light.corner = point(light.corner);
-        light.u = vector(light.u);
-        light.v = vector(light.v);
-        light.direction = vector(light.direction);
+        auto &quad = std::get<QuadLight>(light.shape);
+        quad = {point(quad.corner), vector(quad.u), vector(quad.v), quad.twoSided};
     }
     return scene;
 }
@@ -271,19 +269,11 @@ TEST_CASE("Light sampling and scattered rays agree: every light type gives the s
         return image[(4 * 8 + 4) * 4];
     };
     // Square of side 2 at height 1, centred above: form factor of a point (double the corner formula four times).
-    Light quad;
-    quad.corner = DVec3(-1, 1, 1);
-    quad.u = DVec3(2, 0, 0);
-    quad.v = DVec3(0, -2, 0);
-    scene.lights = {quad};
+    scene.lights = {{Vec3(1), QuadLight{DVec3(-1, 1, 1), DVec3(2, 0, 0), DVec3(0, -2, 0)}}};
     const double corner = (2 / std::sqrt(2.0) * std::atan(1 / std::sqrt(2.0))) / (2 * 3.141592653589793);
     CHECK(centre() == Approx(4 * corner).epsilon(5e-3));
     // Sphere of radius 0.5 at height 2: (r / h)^2.
-    Light sphere;
-    sphere.type = LightType::Sphere;
-    sphere.corner = DVec3(0, 0, 2);
-    sphere.radius = 0.5;
-    scene.lights = {sphere};
+    scene.lights = {{Vec3(1), SphereLight{DVec3(0, 0, 2), 0.5}}};
     CHECK(centre() == Approx(0.0625).epsilon(5e-3));
     // Mesh emitter: the same square as a mesh facing down.
     scene.lights.clear();
@@ -296,35 +286,18 @@ TEST_CASE("Light sampling and scattered rays agree: every light type gives the s
     CHECK(centre() == Approx(4 * corner).epsilon(5e-3));
     // Directional: irradiance E at 60 degrees gives E cos / pi.
     scene.objects.pop_back();
-    Light sun;
-    sun.type = LightType::Directional;
-    sun.direction = glm::normalize(DVec3(std::sqrt(3.0), 0, -1));
-    sun.radiance = Vec3(2);
-    scene.lights = {sun};
+    scene.lights = {{Vec3(2), DirectionalLight{glm::normalize(DVec3(std::sqrt(3.0), 0, -1))}}};
     CHECK(centre() == Approx(2 * 0.5 / 3.14159265).epsilon(1e-3));
-    Light point;
-    point.type = LightType::Point;
-    point.corner = DVec3(0, 0, 2);
-    point.radiance = Vec3(4);
-    scene.lights = {point};
+    scene.lights = {{Vec3(4), PointLight{DVec3(0, 0, 2)}}};
     CHECK(centre() == Approx(1 / 3.14159265).epsilon(1e-3));
 }
 
 TEST_CASE("Many lights together are the sum of each alone", "[render][mis]") {
     const Scene all = [] {
         Scene scene = smallScene(makeObject(makeTorus(48, 24, 0.7F, 0.3F)), ggxMaterial(0.15F, 0.3F), 20);
-        Light sphere;
-        sphere.type = LightType::Sphere;
-        sphere.corner = DVec3(0.8, -0.9, 0.9);
-        sphere.radius = 0.1;
-        sphere.radiance = Vec3(20);
-        Light point;
-        point.type = LightType::Point;
-        point.corner = DVec3(-1, -1, 0.6);
-        Light sun;
-        sun.type = LightType::Directional;
-        sun.direction = glm::normalize(DVec3(0.3, 0.5, -1));
-        scene.lights.insert(scene.lights.end(), {sphere, point, sun});
+        scene.lights.push_back({Vec3(20), SphereLight{DVec3(0.8, -0.9, 0.9), 0.1}});
+        scene.lights.push_back({Vec3(1), PointLight{DVec3(-1, -1, 0.6)}});
+        scene.lights.push_back({Vec3(1), DirectionalLight{glm::normalize(DVec3(0.3, 0.5, -1))}});
         return scene;
     }();
     const auto mean = [](const Scene &scene) {

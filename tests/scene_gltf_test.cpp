@@ -107,11 +107,11 @@ TEST_CASE("lights, emission and extensions of a glTF file", "[scene][gltf]") {
     CHECK(lookup(scene.textures.at(paint.metallic.texture), {0.25F, 0.75F}).z == Approx(128 / 255.0));
     REQUIRE(scene.lights.size() == 1);
     const Light &lamp = scene.lights[0];
-    CHECK(lamp.type == LightType::Spot);
-    CHECK(close(lamp.corner, DVec3(1, -3, 2)));
-    CHECK(close(lamp.direction, DVec3(0, 1, 0)));
+    const auto &spot = std::get<SpotLight>(lamp.shape);
+    CHECK(close(spot.position, DVec3(1, -3, 2)));
+    CHECK(close(spot.direction, DVec3(0, 1, 0)));
     CHECK(lamp.radiance == Vec3(20, 10, 5));
-    CHECK(lamp.outerAngle == Approx(0.5));
+    CHECK(spot.outerAngle == Approx(0.5));
     CHECK(loadScene(folder + "/lit.gltf", {"mesh.0.lights=false"}, warnings).lights.empty());
 
     b.json["materials"][0]["extensions"]["KHR_materials_transmission"] = {{"transmissionFactor", 1}};

@@ -125,29 +125,30 @@ material = { Trim = "glass", Body = "car" }
     CHECK(cameraAtFrame(scene.camera, 2, 25).fovY == Approx(radians(50)));
 
     REQUIRE(scene.environment);
-    CHECK(radiance(*scene.environment, Vec3(0, 0, 1)) == Vec3(2, 4, 6));
+    CHECK(lookUpEnvironment(*scene.environment, Vec3(0, 0, 1)).radiance == Vec3(2, 4, 6));
     CHECK(!scene.environment->cameraVisible);
 
     REQUIRE(scene.lights.size() == 5);
-    CHECK(scene.lights[0].type == LightType::Quad);
-    CHECK(scene.lights[0].corner == DVec3(1, -1, 3));
-    CHECK(scene.lights[0].u == DVec3(-2, 0, 0));
-    CHECK(scene.lights[0].v == DVec3(0, 2, 0));
+    const auto &quad = std::get<QuadLight>(scene.lights[0].shape);
+    CHECK(quad.corner == DVec3(1, -1, 3));
+    CHECK(quad.u == DVec3(-2, 0, 0));
+    CHECK(quad.v == DVec3(0, 2, 0));
     CHECK(scene.lights[0].radiance == Vec3(10, 11, 12));
     CHECK(scene.lights[0].cameraVisible);
-    CHECK(scene.lights[0].twoSided);
-    CHECK(scene.lights[1].type == LightType::Sphere);
-    CHECK(scene.lights[1].corner == DVec3(1, 2, 3));
-    CHECK(scene.lights[1].radius == 0.5);
+    CHECK(quad.twoSided);
+    const auto &sphere = std::get<SphereLight>(scene.lights[1].shape);
+    CHECK(sphere.centre == DVec3(1, 2, 3));
+    CHECK(sphere.radius == 0.5);
     CHECK(scene.lights[1].radiance == Vec3(4));
     CHECK(!scene.lights[1].cameraVisible);
-    CHECK(scene.lights[2].direction == DVec3(0, 0, -1));
+    CHECK(std::get<DirectionalLight>(scene.lights[2].shape).direction == DVec3(0, 0, -1));
     CHECK(scene.lights[2].radiance == Vec3(1, 2, 3));
-    CHECK(scene.lights[3].corner == DVec3(3, 2, 1));
+    CHECK(std::get<PointLight>(scene.lights[3].shape).position == DVec3(3, 2, 1));
     CHECK(scene.lights[3].radiance == Vec3(5));
-    CHECK(close(scene.lights[4].direction, DVec3(0, 0.6, -0.8)));
-    CHECK(scene.lights[4].innerAngle == Approx(radians(10)));
-    CHECK(scene.lights[4].outerAngle == Approx(radians(30)));
+    const auto &spot = std::get<SpotLight>(scene.lights[4].shape);
+    CHECK(close(spot.direction, DVec3(0, 0.6, -0.8)));
+    CHECK(spot.innerAngle == Approx(radians(10)));
+    CHECK(spot.outerAngle == Approx(radians(30)));
 
     REQUIRE(scene.materials.size() == 3);
     const Material &brushed = scene.materials[0];
@@ -225,7 +226,7 @@ TEST_CASE("without lights a scene gets the studio", "[scene]") {
     CHECK(loadText(folder, mesh + "[environment]\npreset = \"studio\"\nscale = 0.5\nrotation_deg = 90\n").environment->rotation ==
           Approx(radians(90)));
     const Scene file = loadText(folder, mesh + "[environment]\nfile = \"studio.exr\"\nscale = [2, 2, 4]\n");
-    CHECK(radiance(*file.environment, Vec3(1, 0, 0)) == Vec3(1, 1, 2));
+    CHECK(lookUpEnvironment(*file.environment, Vec3(1, 0, 0)).radiance == Vec3(1, 1, 2));
 }
 
 TEST_CASE("textures of a material", "[scene]") {
@@ -342,5 +343,5 @@ TEST_CASE("overrides on the command line", "[scene]") {
     CHECK(scene.objects[0].deformers.at(0).type == DeformerType::Shear);
     CHECK(scene.objects[0].deformers[0].amount.at(1.5) == 0.5);
     CHECK(scene.camera.position.first() == DVec3(1, 2, 3));
-    CHECK(scene.lights.at(0).type == LightType::Sphere);
+    CHECK(std::holds_alternative<SphereLight>(scene.lights.at(0).shape));
 }

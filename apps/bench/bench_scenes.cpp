@@ -66,12 +66,7 @@ Scene underEnvironment(Scene scene, Environment environment) {
 }
 
 Scene underArea(Scene scene) {
-    Light quad; // facing down
-    quad.corner = DVec3(1, -1, 3);
-    quad.u = DVec3(-2, 0, 0);
-    quad.v = DVec3(0, 2, 0);
-    quad.radiance = Vec3(10);
-    scene.lights = {quad};
+    scene.lights = {{Vec3(10), QuadLight{DVec3(1, -1, 3), DVec3(-2, 0, 0), DVec3(0, 2, 0)}}}; // facing down
     return scene;
 }
 

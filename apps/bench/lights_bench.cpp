@@ -50,7 +50,7 @@ Scene ground(int size) {
 }
 
 /// A place among the emitters, not within the torus.
-DVec3 place(Numbers &next) {
+DVec3 placeOf(Numbers &next) {
     const double x = 12 * next() - 6;
     const double y = 12 * next() - 6;
     return {x, y, 0.2 + 2.5 * next()};
@@ -64,7 +64,7 @@ void addTriangles(Scene &scene, int count) {
     Mesh mesh;
     const double edge = std::sqrt(kTotalArea / count * 4 / std::sqrt(3.0));
     for (int i = 0; i < count; ++i) {
-        const DVec3 centre = place(next);
+        const DVec3 centre = placeOf(next);
         const DVec3 n = direction(next);
         const DVec3 s = glm::normalize(glm::cross(n, std::fabs(n.x) < 0.6 ? DVec3(1, 0, 0) : DVec3(0, 1, 0)));
         const DVec3 t = glm::cross(n, s);
@@ -81,19 +81,17 @@ void addTriangles(Scene &scene, int count) {
     scene.objects.back().emission.value = Vec3(kRadiance);
 }
 
-void addLights(Scene &scene, LightType type, int count) {
+void addLights(Scene &scene, bool quads, int count) {
     Numbers next;
     for (int i = 0; i < count; ++i) {
-        Light light;
-        light.type = type;
-        light.corner = place(next);
-        light.radiance = Vec3(kRadiance);
-        if (type == LightType::Point) light.radiance = Vec3(static_cast<float>(kRadiance * kTotalArea / 2 / count));
+        const DVec3 at = placeOf(next);
         const DVec3 n = direction(next);
         const double edge = std::sqrt(kTotalArea / count);
-        light.u = edge * glm::normalize(glm::cross(n, std::fabs(n.x) < 0.6 ? DVec3(1, 0, 0) : DVec3(0, 1, 0)));
-        light.v = glm::cross(n, light.u);
-        scene.lights.push_back(light);
+        const DVec3 u = edge * glm::normalize(glm::cross(n, std::fabs(n.x) < 0.6 ? DVec3(1, 0, 0) : DVec3(0, 1, 0)));
+        if (quads)
+            scene.lights.push_back({Vec3(kRadiance), QuadLight{at, u, glm::cross(n, u)}});
+        else
+            scene.lights.push_back({Vec3(static_cast<float>(kRadiance * kTotalArea / 2 / count)), PointLight{at}});
     }
 }
 
@@ -134,10 +132,10 @@ int main(int argc, char **argv) {
         Scene scene = ground(size);
         addTriangles(scene, count);
         measure("triangles", count, scene, spp);
-        for (const auto &[name, type] : {std::pair("quads", LightType::Quad), std::pair("points", LightType::Point)}) {
+        for (const bool quads : {true, false}) {
             scene = ground(size);
-            addLights(scene, type, count);
-            measure(name, count, scene, spp);
+            addLights(scene, quads, count);
+            measure(quads ? "quads" : "points", count, scene, spp);
         }
     }
     for (const int count : {1000, 100000}) {

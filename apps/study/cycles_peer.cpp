@@ -113,12 +113,14 @@ void writeCyclesScene(RenderScene &ready, int threads, const fs::path &folder) {
         }
     }
     for (const Material &material : scene.materials) description["materials"].push_back(materialJson(material));
-    for (const Light &light : scene.lights)
+    for (const Light &light : scene.lights) {
+        const auto &quad = std::get<QuadLight>(light.shape);
         description["lights"].push_back({{"type", "quad"},
-                                         {"corner", toJson(light.corner)},
-                                         {"u", toJson(light.u)},
-                                         {"v", toJson(light.v)},
+                                         {"corner", toJson(quad.corner)},
+                                         {"u", toJson(quad.u)},
+                                         {"v", toJson(quad.v)},
                                          {"radiance", toJson(light.radiance)}});
+    }
     const Camera &camera = scene.camera;
     description["camera"] = {{"position", toJson(camera.position.at(1))},
                              {"look_at", toJson(camera.lookAt.at(1))},

@@ -48,11 +48,7 @@ std::vector<StudyScene> studyScenes() {
     Scene furnace = shearedTorus(brushedMetal(0.08F, 0.4F), 0.8, false, 8);
     furnace.environment = constantEnvironment(Vec3(1));
     Scene lamp = shearedTorus(brushedMetal(0.04F, 0.12F), 0.8, true, 6);
-    Light quad; // facing down
-    quad.corner = DVec3(1, -1, 3);
-    quad.u = DVec3(-2, 0, 0);
-    quad.v = DVec3(0, 2, 0);
-    quad.radiance = Vec3(10);
+    const Light quad{Vec3(10), QuadLight{DVec3(1, -1, 3), DVec3(-2, 0, 0), DVec3(0, 2, 0)}}; // facing down
     lamp.lights = {quad};
     Scene rough = shearedTorus(brushedMetal(0.5F, 0.5F), 1.5, true, 6);
     rough.environment = constantEnvironment(Vec3(0.3F));

@@ -124,13 +124,7 @@ Scene studyScene(Object object, const Material &material, int size) {
     scene.objects.push_back(std::move(object));
     scene.camera.position = Keyed<DVec3>(DVec3(0.3, -2.4, 2.1));
     scene.environment = constantEnvironment(Vec3(0.2F, 0.25F, 0.3F));
-    Light quad;
-    quad.corner = DVec3(-0.8, 1, 1.2);
-    quad.u = DVec3(0, 0, 0.8);
-    quad.v = DVec3(1.6, 0, 0);
-    quad.radiance = Vec3(6, 5, 4);
-    quad.twoSided = true;
-    scene.lights.push_back(quad);
+    scene.lights.push_back({Vec3(6, 5, 4), QuadLight{DVec3(-0.8, 1, 1.2), DVec3(0, 0, 0.8), DVec3(1.6, 0, 0), true}});
     return scene;
 }
 

@@ -49,10 +49,10 @@ struct SkyLight {
     static constexpr bool kSampled = true;
     Environment map = studioEnvironment();
 
-    [[nodiscard]] float radianceFrom(const Vec3 & /*position*/, const Vec3 &wi) const { return taut::radiance(map, wi).y; }
-    [[nodiscard]] float pdf(const Vec3 & /*position*/, const Vec3 &wi) const { return samplePdf(map, wi); }
+    [[nodiscard]] float radianceFrom(const Vec3 & /*position*/, const Vec3 &wi) const { return lookUpEnvironment(map, wi).radiance.y; }
+    [[nodiscard]] float pdf(const Vec3 & /*position*/, const Vec3 &wi) const { return lookUpEnvironment(map, wi).pdf; }
     [[nodiscard]] LightSample sample(const Vec3 & /*position*/, const Vec2 &number) const {
-        const EnvironmentSample s = taut::sample(map, number);
+        const EnvironmentSample s = sampleEnvironment(map, number);
         return {s.direction, s.radiance.y, s.pdf};
     }
 };

@@ -5,10 +5,10 @@
 #include "study/pictures.h"
 #include "study/reflection_tally.h"
 
+#include "study/reference.h"
 #include "taut/base/frame.h"
 #include "taut/base/parallel.h"
 #include "taut/base/sobol.h"
-#include "study/reference.h"
 #include "taut/scene/environment.h"
 
 namespace taut::chart {
@@ -75,7 +75,7 @@ template <class Scatter> Pixels renderBall(const Scatter &scatter, const Environ
             const Frame frame = frameFromNormalTangent(n, Vec3(-n.y, n.x, 0));
             Vec3 wi;
             const float weight = scatter(frame.toLocal(Vec3(0, -1, 0)), sobol2(k, hash(name, 1)), wi);
-            if (weight > 0) sum += static_cast<double>(weight) * DVec3(radiance(sky, frame.fromLocal(wi)));
+            if (weight > 0) sum += static_cast<double>(weight) * DVec3(lookUpEnvironment(sky, frame.fromLocal(wi)).radiance);
         }
         for (int c = 0; c < 3; ++c) pixels[3 * i + static_cast<std::size_t>(c)] = static_cast<float>(sum[c] / spp);
     });

@@ -162,12 +162,7 @@ void addPlates(Chart &chart, const ChartOptions &options) {
         scene.camera.position = DVec3(0, 0, 20);
         scene.camera.up = DVec3(0, 1, 0);
         scene.camera.fovY = 0.1;
-        Light lamp;
-        lamp.type = LightType::Sphere;
-        lamp.corner = DVec3(0, 0, 0.9);
-        lamp.radius = 0.025;
-        lamp.radiance = Vec3(38);
-        scene.lights.push_back(lamp);
+        scene.lights.push_back({Vec3(38), SphereLight{DVec3(0, 0, 0.9), 0.025}});
         scene.environment = constantEnvironment(Vec3(0.03F));
         images.push_back(renderImage(scene, makePlan(scene), 1, 64, 1).values);
     }

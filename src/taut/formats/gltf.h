@@ -56,7 +56,7 @@ struct GltfCamera {
 
 /// KHR_lights_punctual. Shines along the node's -z.
 struct GltfLight {
-    enum class Type { Directional, Point, Spot } type = Type::Point;
+    std::string type = "point"; ///< or "directional", "spot"
     std::string name;
     Vec3 color{1};
     float intensity = 1; ///< candela (point, spot) or lux (directional)

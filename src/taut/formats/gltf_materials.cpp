@@ -2,6 +2,7 @@
 
 #include "taut/formats/gltf_accessors.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -142,10 +143,10 @@ GltfLight readLight(const GltfValue &gltf, std::size_t number) {
     constexpr std::array<std::string_view, 3> kTypes{"directional", "point", "spot"};
     GltfLight light;
     light.name = gltf.nameOr("light", number);
-    light.type = static_cast<GltfLight::Type>(gltf["type"].choice(kTypes));
+    light.type = kTypes[gltf["type"].choice(kTypes)];
     light.color = colour(gltf["color"], Vec3(1));
     light.intensity = numberIn(gltf["intensity"], 1, 0, 1e37);
-    if (light.type != GltfLight::Type::Spot) return light;
+    if (light.type != "spot") return light;
     const GltfValue spot = required(gltf, "spot");
     const GltfValue outer = spot["outerConeAngle"];
     light.outerConeAngle = numberIn(outer, 0.7853981634, 0, 1.5708);

@@ -13,13 +13,14 @@ namespace {
 constexpr float kHemisphere = 2 * kPi;
 
 SeenLight seenFrom(const Vec3 &point, const PlacedLight &light) {
-    const Vec3 d = point - light.centre;
+    const LightOutline &outline = light.outline;
+    const Vec3 d = point - outline.centre;
     const float distance2 = glm::dot(d, d);
-    const float cosine = distance2 > 0 && light.normal != Vec3(0) ? glm::dot(d, light.normal) / std::sqrt(distance2) : 1.0F;
-    if (cosine < light.cosOuter) return {};
-    if (light.radius == 0) return {light.radiance / std::fmax(distance2, 1e-12F), 0};
+    const float cosine = distance2 > 0 && outline.normal != Vec3(0) ? glm::dot(d, outline.normal) / std::sqrt(distance2) : 1.0F;
+    if (cosine < outline.cosOuter) return {};
+    if (outline.radius == 0) return {light.radiance / std::fmax(distance2, 1e-12F), 0};
     // 2 pi (1 - cos of the half angle), without cancellation.
-    const float share = sqr(light.radius) / (distance2 + sqr(light.radius));
+    const float share = sqr(outline.radius) / (distance2 + sqr(outline.radius));
     const float angle = kHemisphere * share / (1 + std::sqrt(1 - share)) * cosine; // a disk from the side is narrower
     return {light.radiance * angle, angle};
 }
@@ -41,29 +42,6 @@ SeenLight skyLight(const Environment &sky) {
     return {kHemisphere * static_cast<float>(sum / weights), kHemisphere * static_cast<float>(sum * sum / (weights * squares))};
 }
 
-std::optional<PlacedLight> placed(const Light &light) {
-    PlacedLight p{Vec3(light.corner), 0, luminance(light.radiance), Vec3(0), 0};
-    switch (light.type) {
-    case LightType::Quad: {
-        const DVec3 cross = glm::cross(light.u, light.v);
-        const double area = glm::length(cross);
-        if (!(area > 0)) return std::nullopt;
-        p.centre = Vec3(light.corner + 0.5 * (light.u + light.v));
-        p.radius = static_cast<float>(std::sqrt(area / static_cast<double>(kPi)));
-        if (!light.twoSided) p.normal = Vec3(cross / area);
-        return p;
-    }
-    case LightType::Sphere: p.radius = static_cast<float>(light.radius); return p;
-    case LightType::Spot:
-        p.normal = Vec3(light.direction);
-        p.cosOuter = static_cast<float>(std::cos(light.outerAngle));
-        return p;
-    case LightType::Point: return p;
-    case LightType::Directional: return std::nullopt;
-    }
-    return std::nullopt;
-}
-
 } // namespace
 
 float coverageOf(std::span<const SeenLight> lights, float blur) {
@@ -83,13 +61,21 @@ SceneLights lightsOf(const Scene &scene, double frame) {
     SceneLights lights;
     if (scene.environment) lights.distant.push_back(skyLight(*scene.environment));
     for (const Light &light : scene.lights) {
-        if (light.type == LightType::Directional) lights.distant.push_back({luminance(light.radiance), 0});
-        if (const auto p = placed(light)) lights.placed.push_back(*p);
+        const float strength = luminance(light.radiance);
+        std::visit(
+            [&](const auto &shape) {
+                if constexpr (requires { shape.outline(); }) {
+                    if (const std::optional<LightOutline> outline = shape.outline()) lights.placed.push_back({*outline, strength});
+                } else {
+                    lights.distant.push_back({strength, 0});
+                }
+            },
+            light.shape);
     }
     for (const Object &object : scene.objects) {
         if (object.emission.value == Vec3(0)) continue;
         const Bounds box = worldBounds(object, frame, scene.render.fps);
-        if (!box.empty()) lights.placed.push_back({box.centre(), 0.5F * box.diagonal(), luminance(object.emission.value), Vec3(0), 0});
+        if (!box.empty()) lights.placed.push_back({{box.centre(), 0.5F * box.diagonal(), Vec3(0), 0}, luminance(object.emission.value)});
     }
     return lights;
 }
@@ -98,7 +84,7 @@ float lightCoverage(const SceneLights &lights, const Bounds &box, float blur) {
     std::vector<Vec3> points{box.centre()};
     constexpr std::size_t kMost = 64; // more of them light a box evenly, and would take long
     for (const PlacedLight &light : std::span(lights.placed).first(std::min(kMost, lights.placed.size())))
-        points.push_back(glm::clamp(light.centre, box.lower, box.upper));
+        points.push_back(glm::clamp(light.outline.centre, box.lower, box.upper));
     float greatest = 0;
     for (const Vec3 &point : points) {
         std::vector<SeenLight> seen = lights.distant;

@@ -20,19 +20,15 @@ struct SeenLight {
 /// there is none. `blur`: solid angle that a lobe spreads every light over at least, sr.
 float coverageOf(std::span<const SeenLight> lights, float blur);
 
-/// A light with a place: a disk that faces `normal`, a ball, or a point.
 struct PlacedLight {
-    Vec3 centre{0};
-    float radius = 0;   ///< 0: a point, of radiant intensity `radiance`
-    float radiance = 0; ///< luminance
-    Vec3 normal{0};     ///< of a disk or a spot; 0: shines to all sides
-    float cosOuter = 0; ///< where there is a normal: least cosine to it that is lit
+    LightOutline outline;
+    float radiance = 0; ///< luminance; radiant intensity of a point
 };
 
 /// A scene's lights at one frame, world space. A mesh that shines counts as the ball around it.
 struct SceneLights {
-    std::vector<PlacedLight> placed;
-    std::vector<SeenLight> distant; ///< environment and directions
+    std::vector<PlacedLight> placed; ///< those with an outline
+    std::vector<SeenLight> distant;  ///< environment and directions
 };
 SceneLights lightsOf(const Scene &scene, double frame);
 

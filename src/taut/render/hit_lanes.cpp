@@ -360,7 +360,7 @@ void aim(HitLanes &l, const LightTable &lights) {
     }
     if (count == 0) return;
     l.sky.count = static_cast<int>(count);
-    sample(*lights.environment, l.sky);
+    sampleEnvironment(*lights.environment, l.sky);
     const Mat3 renderFromWorld = glm::transpose(lights.worldFromRender);
     for (std::size_t k = 0; k < count; ++k) {
         const std::size_t i = lanesOfSky[k];

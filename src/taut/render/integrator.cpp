@@ -197,7 +197,7 @@ void PathTracer::State::lookUpEscaped() {
         const std::size_t count = std::min<std::size_t>(EnvironmentLanes::kSize, escaped.size() - begin);
         sky.count = static_cast<int>(count);
         for (std::size_t k = 0; k < count; ++k) sky.direction.set(k, lights.worldFromRender * rays[escaped[begin + k]].direction);
-        lookup(*lights.environment, sky);
+        lookUpEnvironment(*lights.environment, sky);
         for (std::size_t k = 0; k < count; ++k) {
             const Index i = escaped[begin + k];
             const float choice = choiceProbability(lights, {lights.environmentEntry, 0}, rays[i].origin);
@@ -220,7 +220,7 @@ bool PathTracer::State::meetLights(Path &path, const Ray &ray, float farthest) c
             nearest = hit;
             return hit.t;
         }
-        const float weight = powerHeuristic(path.scatterPdf, lightHitPdf(lights, i, ray.origin, hit.t, hit.absCosine));
+        const float weight = powerHeuristic(path.scatterPdf, lightHitPdf(lights, hit, ray.origin));
         path.radiance += path.throughput * entry.radiance * weight;
         return end;
     };

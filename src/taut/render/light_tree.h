@@ -3,25 +3,13 @@
 /// Kulla 2018, "Importance Sampling of Many Lights with Adaptive Tree Splitting" (without the splitting); bounds of the cosines as
 /// in Pharr, Jakob and Humphreys 2023, "Physically Based Rendering", section 12.6.3. It knows bounds of lights alone, not lights.
 
-#include "taut/base/vec.h"
+#include "taut/scene/lights/light.h"
 
 #include <limits>
 #include <span>
 #include <vector>
 
 namespace taut {
-
-/// What a light, or all below a node, can do: from a point of the box, light leaves within an angle `reach` of directions that lie
-/// within an angle `spread` of the axis.
-struct LightBounds {
-    Vec3 lower{kInfinity}, upper{-kInfinity}; ///< box
-    Vec3 axis{0, 0, 1};                       ///< unit
-    float cosSpread = 1;                      ///< of an angle in [0, pi]; -1: all directions
-    float cosReach = 0;                       ///< of an angle in [0, pi/2]
-    float power = 0;       ///< greatest intensity: irradiance at distance 1 on a surface that faces a light that faces it
-    bool twoSided = false; ///< shines about the opposite axis too
-    bool met = false;      ///< rays can meet it though it is no geometry
-};
 
 /// Bounds of both.
 LightBounds united(const LightBounds &a, const LightBounds &b);

@@ -1,37 +1,29 @@
 #pragma once
 /// Choosing and sampling lights from a point; everything in render space. Every sampler has its density beside it, so that both
-/// ends of multiple importance sampling agree.
+/// ends of multiple importance sampling agree. Lights are placed by place_lights.h.
 
+#include "taut/render/environment_light.h"
 #include "taut/render/light_tree.h"
-#include "taut/scene/scene.h"
+#include "taut/render/mesh_emitter.h"
+#include "taut/scene/lights/light_shapes.h"
 
 #include <span>
 #include <vector>
 
 namespace taut {
 
-enum class LightKind : std::uint8_t { Environment, Quad, Sphere, Directional, Point, Spot, Mesh };
+template <class... Shapes>
+auto placedShapes(const std::variant<Shapes...> &) -> std::variant<decltype(place(Shapes(), DMat4()))..., MeshEmitter, EnvironmentLight>;
+/// Any light in render space. Functions are called by std::visit, a switch where no alternative needs a destructor.
+using PlacedShape = decltype(placedShapes(LightShape()));
+static_assert(std::is_trivially_copyable_v<PlacedShape>);
 
 /// One light that can be chosen.
 struct LightEntry {
-    LightKind kind = LightKind::Environment;
-    Vec3 radiance{0};          ///< as in scene.h's Light
-    Vec3 origin{0};            ///< quad corner; sphere, point, spot centre
-    Vec3 u{0}, v{0};           ///< quad edges
-    Vec3 alongU{0}, alongV{0}; ///< quad: what a vector in its plane is multiplied by to have its coordinates along the edges
-    Vec3 direction{0};         ///< quad normal; directional and spot: the way light travels
-    float area = 0;            ///< quad
-    float radius = 0;
-    Vec3 centre{0}; ///< quad: what its distance is taken to
-    float cosInner = 1, cosOuter = 0;
-    bool twoSided = false;
-    bool cameraVisible = false;
+    Vec3 radiance{0};        ///< as in Light
     Index firstPart = kNone; ///< in LightTable::parts; none: reaches everywhere alike
-    // Mesh emitters: positions belong to the frame's geometry.
-    std::vector<std::span<const Vec3>> steps; ///< at equally spaced times in the shutter
-    std::span<const Affine> placements;       ///< of an instanced object, whose one step is in local space
-    std::span<const Index3> triangles;
-    bool mirrored = false;
+    bool cameraVisible = false;
+    PlacedShape shape;
 };
 
 /// What is chosen: a light, or a triangle of a mesh emitter.
@@ -40,13 +32,11 @@ struct LightPart {
     Index triangle = 0;
 };
 
-struct LightSample {
-    Vec3 direction{0}; ///< unit, towards the light
-    float distance = kInfinity;
-    Vec3 radiance{0};
-    float pdf = 0;      ///< per steradian, choice included; delta lights: the probability of the choice
-    bool delta = false; ///< can't be met by a scattered ray
-};
+/// How many parts an entry is chosen by.
+inline Index partCount(const LightEntry &entry) {
+    const auto *mesh = std::get_if<MeshEmitter>(&entry.shape);
+    return mesh != nullptr ? static_cast<Index>(mesh->triangles.size()) : 1;
+}
 
 /// Veach 1997, section 9.2.
 inline float powerHeuristic(float a, float b) {
@@ -59,6 +49,7 @@ inline constexpr std::size_t kFewChoices = 16;
 
 struct LightTable {
     std::vector<LightEntry> entries;
+    std::vector<Index> entryOfObject; ///< [objects] the entry that an object emits through, else kNone
     const Environment *environment = nullptr;
     Index environmentEntry = kNone; ///< none for a constant one: only scattered rays find it
     Mat3 worldFromRender{1};        ///< rotation
@@ -72,13 +63,20 @@ struct LightTable {
     bool few = true;
 };
 
+// --- the choice: light_choice.cpp ------------------------------------------------------------------------------------
+
 /// Makes the entries ready to be chosen.
 void prepareChoice(LightTable &table);
+
+/// What follows where there is more than one choice.
+float probabilityAmong(const LightTable &table, const LightPart &part, const Vec3 &point);
 
 /// Probability with which sampleLight chooses an entry (and its triangle, of a mesh emitter) at `point`: after the irradiance it could
 /// send there, unoccluded. Where the choices are few, and between the tree and what reaches everywhere, a share is spread evenly, so
 /// that no light is starved.
-float choiceProbability(const LightTable &table, const LightPart &part, const Vec3 &point);
+inline float choiceProbability(const LightTable &table, const LightPart &part, const Vec3 &point) {
+    return table.choices == 1 ? 1.0F : probabilityAmong(table, part, point);
+}
 
 /// The light that a number uniform in [0, 1) chooses at `point`, with the probability; none where none can send anything.
 struct LightChoice {
@@ -86,20 +84,28 @@ struct LightChoice {
     Index triangle = 0;
     float probability = 0;
 };
-LightChoice chooseLight(const LightTable &table, const Vec3 &point, float choose);
+LightChoice chooseAmong(const LightTable &table, const Vec3 &point, float choose);
+inline LightChoice chooseLight(const LightTable &table, const Vec3 &point, float choose) {
+    if (table.choices == 1) return {0, 0, 1};
+    return table.entries.empty() ? LightChoice{} : chooseAmong(table, point, choose);
+}
 
-/// A light sample from `point` at a time in the shutter; pdf 0 where the chosen light sends nothing there. `choose` and `u` uniform
-/// in [0, 1).
-LightSample sampleLight(const LightTable &table, const Vec3 &point, float time, float choose, const Vec2 &u);
-/// The same once the light is chosen.
-LightSample sampleLight(const LightTable &table, const LightChoice &choice, const Vec3 &point, float time, const Vec2 &u);
+// --- samples: light_sampling.cpp -------------------------------------------------------------------------------------
 
-/// A quad or sphere light met by a ray. These lights are not geometry: they cast no shadow, hide nothing from scattered rays and
-/// are passed through from behind, so that the light of many is the sum of each alone.
-struct LightHit {
+/// A light sample from `point` at a time in the shutter, the choice in its density; pdf 0 where the light sends nothing there. `number`
+/// uniform in [0, 1)^2.
+LightSample sampleLight(const LightTable &table, const LightChoice &choice, const Vec3 &point, float time, const Vec2 &number);
+/// The choice made as well.
+inline LightSample sampleLight(const LightTable &table, const Vec3 &point, float time, float choose, const Vec2 &number) {
+    return sampleLight(table, chooseLight(table, point, choose), point, time, number);
+}
+
+// --- hits: light_hits.cpp --------------------------------------------------------------------------------------------
+
+/// A light that is no geometry, met by a ray. Such lights cast no shadow, hide nothing from scattered rays and are passed through from
+/// behind, so that the light of many is the sum of each alone.
+struct LightHit : ShapeHit {
     Index entry = kNone;
-    float t = kInfinity;
-    float absCosine = 0;
 };
 
 /// Where the ray meets one light before `farthest`; entry kNone where it does not.
@@ -114,13 +120,10 @@ inline void visitLightsMet(const LightTable &table, const Vec3 &origin, const Ve
         visitMetBy(table.tree, origin, direction, farthest, [&](Index part, float end) { return meet(table.parts[part].entry, end); });
 }
 
-/// Density with which sampleLight returns the direction of a hit on a quad or sphere light: at distance t along unit `direction`, on
-/// a surface whose normal makes |cos| with it.
-float lightHitPdf(const LightTable &table, Index entry, const Vec3 &point, float t, float absCosine);
-/// The same of a hit on a triangle of a mesh emitter at a time in the shutter.
+/// Density with which sampleLight returns the direction of a hit, met from `point`.
+float lightHitPdf(const LightTable &table, const LightHit &hit, const Vec3 &point);
+/// The same of a hit on a triangle of a mesh emitter at a time in the shutter: at distance t, on a surface whose normal makes |cos|
+/// with the ray.
 float emitterHitPdf(const LightTable &table, const LightPart &part, const Vec3 &point, float time, float t, float absCosine);
-
-/// Corner of a mesh emitter's triangle at a time in the shutter.
-Vec3 emitterPosition(const LightEntry &entry, Index vertex, float time);
 
 } // namespace taut

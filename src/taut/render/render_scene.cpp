@@ -3,6 +3,7 @@
 #include "taut/base/error.h"
 #include "taut/base/stopwatch.h"
 #include "taut/deform/stored_gloss.h"
+#include "taut/render/place_lights.h"
 
 #include <algorithm>
 
@@ -21,17 +22,6 @@ std::vector<float> poissonOfVertices(const Scene &scene, const ObjectSurface &ob
         for (int k = 0; k < 3; ++k) out[surface.triangles[t][k]] = poisson;
     }
     return out;
-}
-
-bool emits(const Object &object) {
-    return object.emission.value != Vec3(0);
-}
-
-Vec3 toRender(const DMat4 &renderFromWorld, const DVec3 &p) {
-    return Vec3(DVec3(renderFromWorld * glm::dvec4(p, 1)));
-}
-Vec3 vectorToRender(const DMat4 &renderFromWorld, const DVec3 &v) {
-    return Vec3(DMat3(renderFromWorld) * v);
 }
 
 /// Whether an object may be somewhere else at another time.
@@ -123,6 +113,7 @@ void RenderScene::setFrame(double frame, StageTimes &times) {
         for (std::size_t step = 0; step < shutterTimes; ++step)
             moved |= moveObject(object, step, frameOfStep(render, frame, step, shutterTimes), render.fps, renderFromWorld,
                                 times.deformation, times.gradient);
+        object.moved = moved;
         Stopwatch watch;
         const std::vector<Vec3> &positions = object.steps.front().positions;
         if (!committed_) {
@@ -143,7 +134,7 @@ void RenderScene::setFrame(double frame, StageTimes &times) {
         times.bvh += watch.lap();
     }
     Stopwatch watch;
-    placeLights(renderFromWorld);
+    placeLights(scene_, objects_, worldFromRender_, renderFromWorld, lights_);
     embree_->commit();
     committed_ = true;
     frame_ = frame;
@@ -185,66 +176,6 @@ void RenderScene::setPoints(Index object, std::shared_ptr<const PointSource> poi
                          std::to_string(entry.mesh->positions.size()) + " as in its mesh");
     entry.points = std::move(points);
     changed_[object] = 1;
-}
-
-void RenderScene::placeLights(const DMat4 &renderFromWorld) {
-    lights_.entries.clear();
-    lights_.worldFromRender = Mat3(DMat3(worldFromRender_));
-    lights_.environment = nullptr;
-    lights_.environmentEntry = kNone;
-    if (scene_.environment && scene_.environment->mean != Vec3(0)) lights_.environment = &*scene_.environment;
-    // Scattered rays sample what they weigh a constant sky with; aiming at it would only add shadow rays.
-    if (lights_.environment != nullptr && !lights_.environment->constant) {
-        lights_.environmentEntry = static_cast<Index>(lights_.entries.size());
-        lights_.entries.push_back({});
-        lights_.entries.back().kind = LightKind::Environment;
-    }
-    for (const Light &light : scene_.lights) {
-        LightEntry entry;
-        entry.radiance = light.radiance;
-        entry.origin = toRender(renderFromWorld, light.corner);
-        entry.u = vectorToRender(renderFromWorld, light.u);
-        entry.v = vectorToRender(renderFromWorld, light.v);
-        entry.radius = static_cast<float>(light.radius);
-        entry.direction = glm::normalize(vectorToRender(renderFromWorld, light.direction));
-        entry.cosInner = static_cast<float>(std::cos(light.innerAngle));
-        entry.cosOuter = static_cast<float>(std::cos(light.outerAngle));
-        entry.twoSided = light.twoSided;
-        entry.cameraVisible = light.cameraVisible;
-        switch (light.type) {
-        case LightType::Quad: entry.kind = LightKind::Quad; break;
-        case LightType::Sphere: entry.kind = LightKind::Sphere; break;
-        case LightType::Directional: entry.kind = LightKind::Directional; break;
-        case LightType::Point: entry.kind = LightKind::Point; break;
-        case LightType::Spot: entry.kind = LightKind::Spot; break;
-        }
-        if (entry.kind == LightKind::Quad) {
-            const Vec3 cross = glm::cross(entry.u, entry.v);
-            entry.area = glm::length(cross);
-            entry.direction = cross / entry.area;
-            entry.alongU = glm::cross(entry.v, entry.direction) / entry.area;
-            entry.alongV = glm::cross(entry.direction, entry.u) / entry.area;
-            entry.centre = entry.origin + 0.5F * (entry.u + entry.v);
-        }
-        lights_.entries.push_back(std::move(entry));
-    }
-    lightEntries_.assign(objects_.size(), kNone);
-    for (Index i = 0; i < objects_.size(); ++i) {
-        const RenderObject &object = objects_[i];
-        // A textured emitter is met by scattered rays alone: its texture is not part of the light table.
-        if (!emits(*object.object) || object.object->emission.texture != kNone) continue;
-        LightEntry entry;
-        entry.kind = LightKind::Mesh;
-        entry.radiance = object.object->emission.value;
-        for (const SurfaceStep &step : object.steps) entry.steps.emplace_back(step.positions);
-        entry.placements = object.placements;
-        entry.triangles = object.surface.triangles;
-        entry.twoSided = object.object->emissionTwoSided;
-        entry.mirrored = object.mirrored;
-        lightEntries_[i] = static_cast<Index>(lights_.entries.size());
-        lights_.entries.push_back(std::move(entry));
-    }
-    prepareChoice(lights_);
 }
 
 } // namespace taut

@@ -60,11 +60,9 @@ class RenderScene {
     /// The object behind an Embree geometry number.
     [[nodiscard]] Index objectOfGeometry(Index geometry) const { return owners_[geometry]; }
     /// Entry of the light table that an object emits through, else kNone.
-    [[nodiscard]] Index lightEntryOfObject(Index object) const { return lightEntries_[object]; }
+    [[nodiscard]] Index lightEntryOfObject(Index object) const { return lights_.entryOfObject[object]; }
 
   private:
-    void placeLights(const DMat4 &renderFromWorld);
-
     void moveCamera(double frame, const DMat4 &renderFromWorld);
 
     void prepare(bool animated);
@@ -74,8 +72,7 @@ class RenderScene {
     std::unique_ptr<EmbreeScene> embree_;
     bool refits_ = false;
     std::vector<RenderObject> objects_;
-    std::vector<Index> owners_;       // [geometries] -> object
-    std::vector<Index> lightEntries_; // [objects] -> light table
+    std::vector<Index> owners_; // [geometries] -> object
     LightTable lights_;
     CameraState camera_;
     std::vector<Affine> cameraSteps_;

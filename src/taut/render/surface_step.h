@@ -22,6 +22,7 @@ struct RenderObject : ObjectSurface {
     MeshPlan plan;
     std::vector<SurfaceStep> steps; ///< equally spaced over the shutter; one without motion blur
     bool rigid = false;
+    bool moved = true; ///< by the last frame that it was brought to
     Index geometry = kNone;
     BvhPolicy bvh;
 

@@ -55,33 +55,28 @@ Environment studioEnvironment();
 /// after texels change.
 void buildSampling(Environment &environment);
 
-/// Radiance arriving from world direction `w` (unit, pointing away from the scene), bilinear between texel centres. The
-/// sampling density is piecewise constant over texels and positive wherever the bilinear radiance is.
-Vec3 radiance(const Environment &environment, const Vec3 &w);
-
-/// Solid-angle density with which sample() returns `w`.
-float samplePdf(const Environment &environment, const Vec3 &w);
-
-/// Both of them.
+/// What arrives from world direction `w` (unit, pointing away from the scene): radiance, bilinear between texel centres, and the
+/// solid-angle density with which sampleEnvironment() returns `w`, piecewise constant over texels and positive wherever the bilinear
+/// radiance is.
 struct EnvironmentLookup {
     Vec3 radiance;
     float pdf;
 };
-EnvironmentLookup lookup(const Environment &environment, const Vec3 &w);
+EnvironmentLookup lookUpEnvironment(const Environment &environment, const Vec3 &w);
 
-EnvironmentSample sample(const Environment &environment, const Vec2 &u);
+EnvironmentSample sampleEnvironment(const Environment &environment, const Vec2 &u);
 
 /// Many at once: a map is larger than the caches, so what each lane will read is asked for before any of it is used. The bits are
 /// those of one by one.
 struct alignas(64) EnvironmentLanes {
     static constexpr int kSize = 64;
     int count = 0;
-    float u[kSize], v[kSize]; ///< sample() reads them
-    Lanes3<kSize> direction;  ///< world space, unit: lookup() reads it, sample() writes it
+    float u[kSize], v[kSize]; ///< sampleEnvironment() reads them
+    Lanes3<kSize> direction;  ///< world space, unit: lookUpEnvironment() reads it, sampleEnvironment() writes it
     Lanes3<kSize> radiance;
     float pdf[kSize]; ///< per steradian
 };
-void lookup(const Environment &environment, EnvironmentLanes &lanes, Instructions instructions = widest());
-void sample(const Environment &environment, EnvironmentLanes &lanes, Instructions instructions = widest());
+void lookUpEnvironment(const Environment &environment, EnvironmentLanes &lanes, Instructions instructions = widest());
+void sampleEnvironment(const Environment &environment, EnvironmentLanes &lanes, Instructions instructions = widest());
 
 } // namespace taut

@@ -89,17 +89,32 @@ bool isAnimated(const RigMotion &motion, Index node) {
     return false;
 }
 
+/// The words for a light's keys (load_lights.cpp), read from a glTF light and its node, which know no others.
+struct GltfLightKeys {
+    const GltfLight &from;
+    const DMat4 &worldFromNode;
+    Light &light;
+
+    void brightness(std::string_view /*key*/) { light.radiance = from.color * from.intensity; }
+    void vector(std::string_view /*key*/, DVec3 &target) { target = DVec3(worldFromNode[3]); }
+    void direction(std::string_view /*key*/, DVec3 &target) {
+        const DVec3 forward = -DVec3(worldFromNode[2]);
+        if (glm::length(forward) > 0) target = glm::normalize(forward);
+    }
+    void coneAngle(std::string_view key, double &target) { target = key == "inner_deg" ? from.innerConeAngle : from.outerConeAngle; }
+    void cameraVisible() {}
+    void length(std::string_view /*key*/, double & /*target*/) {}
+    void flag(std::string_view /*key*/, bool & /*target*/) {}
+};
+
 Light toLight(const GltfLight &from, const DMat4 &worldFromNode) {
     Light light;
-    light.type = from.type == GltfLight::Type::Directional ? LightType::Directional
-                 : from.type == GltfLight::Type::Spot      ? LightType::Spot
-                                                           : LightType::Point;
-    light.radiance = from.color * from.intensity;
-    light.corner = DVec3(worldFromNode[3]);
-    const DVec3 forward = -DVec3(worldFromNode[2]);
-    if (glm::length(forward) > 0) light.direction = glm::normalize(forward);
-    light.innerAngle = from.innerConeAngle;
-    light.outerAngle = from.outerConeAngle;
+    forEachLightShape([&](auto shape) {
+        GltfLightKeys keys{from, worldFromNode, light};
+        if (from.type != shape.kName) return;
+        shape.read(keys);
+        light.shape = shape;
+    });
     return light;
 }
 

@@ -1,4 +1,4 @@
-/// The sections of a scene file that say how it is seen: [render], [camera], [environment] and [[light]].
+/// The sections of a scene file that say how it is seen: [render], [camera] and [environment].
 
 #include "taut/base/frame_set.h"
 #include "taut/scene/load_context.h"
@@ -9,7 +9,6 @@ namespace {
 
 constexpr Range kDegrees{-1e6, 1e6, false};
 constexpr Range kFieldOfView{0.01, 179, false};
-constexpr Range kConeAngle{0, 90, false};
 
 std::vector<int> toFrames(const TomlValue &value) {
     if (value.kind == TomlValue::Kind::Integer) return {static_cast<int>(toInteger(value, -1'000'000'000, 1'000'000'000))};
@@ -59,82 +58,6 @@ void setGltfCamera(Camera &camera, const GltfFile &file, RigMotion motion, Index
     camera.rig = std::move(motion);
 }
 
-DVec3 toRadiance(const TomlValue &value) {
-    return toTriple(value, kNotNegative);
-}
-
-/// The parallelogram must have an area to shine from.
-void checkQuad(const Light &light, const Location &where) {
-    const double area = glm::length(glm::cross(light.u, light.v));
-    if (!(area > 1e-12 * glm::length(light.u) * glm::length(light.v)) || !(area > 0))
-        failInput(where, "u and v along one line", "two edges of a quad");
-}
-
-enum class LightKey { Quad, Sphere, Directional, Point, Spot, Mesh };
-
-void addMeshLight(LoadContext &context, TableReader &table) {
-    const TomlValue &target = table.required("mesh", "mesh = \"name of a [[mesh]]\"");
-    ColorParam radiance{Vec3(1)};
-    bool twoSided = false;
-    table.read("radiance", radiance, [&](const TomlValue &v) { return toColorParam(context, v, kNotNegative); });
-    table.read("two_sided", twoSided);
-    const std::string prefix = toText(target) + "/";
-    bool found = false;
-    for (Object &object : context.scene.objects) {
-        if (object.name != target.text && object.name.compare(0, prefix.size(), prefix) != 0) continue;
-        object.emission = radiance;
-        object.emissionTwoSided = twoSided;
-        found = true;
-    }
-    if (found) return;
-    if (context.scene.objects.empty()) failInput(target.where, quoted(target.text), "the name of a mesh, but there is no [[mesh]]");
-    const std::vector<std::string_view> names(context.objectNames.begin(), context.objectNames.end());
-    failUnknownName(target.where, target.text, names);
-}
-
-Light toLight(TableReader &table, LightKey kind) {
-    Light light;
-    const bool isQuad = kind == LightKey::Quad;
-    if (isQuad || kind == LightKey::Sphere) {
-        table.read("radiance", light.radiance, toRadiance);
-        table.read("camera_visible", light.cameraVisible);
-    }
-    switch (kind) {
-    case LightKey::Mesh: // not a Light: addMeshLight
-    case LightKey::Quad:
-        light.type = LightType::Quad;
-        table.read("corner", light.corner, vec3In());
-        table.read("u", light.u, vec3In());
-        table.read("v", light.v, vec3In());
-        table.read("two_sided", light.twoSided);
-        checkQuad(light, table.where());
-        return light;
-    case LightKey::Sphere:
-        light.type = LightType::Sphere;
-        table.read("centre", light.corner, vec3In());
-        table.read("radius", light.radius, numberIn(kPositive));
-        return light;
-    case LightKey::Directional:
-        light.type = LightType::Directional;
-        table.read("direction", light.direction, toDirection);
-        table.read("irradiance", light.radiance, toRadiance);
-        return light;
-    case LightKey::Point:
-    case LightKey::Spot:
-        light.type = kind == LightKey::Spot ? LightType::Spot : LightType::Point;
-        table.read("position", light.corner, vec3In());
-        table.read("intensity", light.radiance, toRadiance);
-        if (kind == LightKey::Point) return light;
-        table.read("direction", light.direction, toDirection);
-        table.read("inner_deg", light.innerAngle, numberIn(kConeAngle, radians(1)));
-        table.read("outer_deg", light.outerAngle, numberIn(kConeAngle, radians(1)));
-        if (!(light.innerAngle < light.outerAngle))
-            failInput(table.where(), "inner_deg not below outer_deg", "0 <= inner_deg < outer_deg <= 90");
-        return light;
-    }
-    return light;
-}
-
 } // namespace
 
 void loadRender(const TomlValue &section, RenderSettings &render) {
@@ -153,28 +76,6 @@ void loadRender(const TomlValue &section, RenderSettings &render) {
     table.read("filter", render.boxFilter, oneOf<bool>({{"blackman-harris", false}, {"box", true}}));
 }
 
-void loadLights(LoadContext &context, const TomlValue &section) {
-    if (section.kind != TomlValue::Kind::Array) failInput(section.where, describe(section), "tables [[light]]");
-    for (const TomlValue &entry : section.items) {
-        TableReader table(entry, "[[light]]",
-                          {"type", "corner", "u", "v", "radiance", "centre", "radius", "direction", "irradiance", "position", "intensity",
-                           "inner_deg", "outer_deg", "mesh", "camera_visible", "two_sided"});
-        LightKey kind = LightKey::Quad;
-        table.read("type", kind,
-                   oneOf<LightKey>({{"quad", LightKey::Quad},
-                                    {"sphere", LightKey::Sphere},
-                                    {"directional", LightKey::Directional},
-                                    {"point", LightKey::Point},
-                                    {"spot", LightKey::Spot},
-                                    {"mesh", LightKey::Mesh}}));
-        if (kind == LightKey::Mesh)
-            addMeshLight(context, table);
-        else
-            context.scene.lights.push_back(toLight(table, kind));
-        table.finish();
-    }
-}
-
 void loadEnvironment(LoadContext &context, const TomlValue &section) {
     TableReader table(section, "[environment]", {"file", "radiance", "preset", "rotation_deg", "scale", "camera_visible"});
     table.exclusive("file", "radiance");
@@ -190,7 +91,7 @@ void loadEnvironment(LoadContext &context, const TomlValue &section) {
     if (const TomlValue *file = table.find("file")) {
         environment = readEnvironment(filePath(context, *file), rotation, Vec3(scale));
     } else if (const TomlValue *radiance = table.find("radiance")) {
-        environment = constantEnvironment(Vec3(toRadiance(*radiance) * scale));
+        environment = constantEnvironment(Vec3(toTriple(*radiance, kNotNegative) * scale));
     } else {
         int preset = 0;
         table.read("preset", preset, oneOf<int>({{"studio", 0}}));

@@ -8,11 +8,12 @@
 #include "taut/deform/gradient_interpolation.h"
 #include "taut/deform/keyed.h"
 #include "taut/deform/point_source.h"
-#include "taut/deform/surface_motion.h"
 #include "taut/deform/rig.h"
+#include "taut/deform/surface_motion.h"
 #include "taut/mesh/mesh.h"
 #include "taut/mesh/subdivide.h"
 #include "taut/scene/environment.h"
+#include "taut/scene/lights/light_shapes.h"
 #include "taut/scene/texture.h"
 
 #include <memory>
@@ -100,7 +101,7 @@ struct Object {
     std::vector<Index> materials; ///< [max(1, mesh->materialNames)], into Scene::materials, by face material slot
     std::optional<RigMotion> rig;
     std::shared_ptr<const PointSource> points; ///< positions over time from arrays, a function or files; null: the mesh's own
-    std::vector<DeformerKeys> deformers; ///< in the object's space, before the placement (of a rig: in the rig's space)
+    std::vector<DeformerKeys> deformers;       ///< in the object's space, before the placement (of a rig: in the rig's space)
     Placement placement;
     SubdivisionOptions subdivision;
     bool planLevel = false; ///< the plan chooses subdivision.level; what that holds is for those who do not plan
@@ -112,23 +113,6 @@ struct Object {
     RestState rest;
     ColorParam emission{Vec3(0)}; ///< radiance of the outward side, W / (m^2 sr); non-zero makes the object a light
     bool emissionTwoSided = false;
-};
-
-enum class LightType { Quad, Sphere, Directional, Point, Spot };
-
-/// A light that is not a mesh (mesh lights are objects with emission). World space.
-struct Light {
-    LightType type = LightType::Quad;
-    Vec3 radiance{1}; ///< quad, sphere: radiance; directional: irradiance on a facing plane; point, spot: intensity
-    DVec3 corner{0};  ///< quad: corner; sphere, point, spot: centre
-    DVec3 u{1, 0, 0}; ///< quad edges; it shines on the side of cross(u, v)
-    DVec3 v{0, 1, 0};
-    double radius = 0.1;       ///< sphere
-    DVec3 direction{0, 0, -1}; ///< directional, spot: the way the light travels, unit
-    double innerAngle = 0;     ///< spot, half angles, radians
-    double outerAngle = 0.785398;
-    bool cameraVisible = false; ///< quad, sphere: seen directly by camera rays
-    bool twoSided = false;      ///< quad
 };
 
 /// Thin lens camera; aperture radius 0 is a pinhole. Looks along its local -z, y up.

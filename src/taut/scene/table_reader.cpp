@@ -106,11 +106,10 @@ int toAxis(const TomlValue &value) {
     return toChoice<int>(value, {{"x", 0}, {"y", 1}, {"z", 2}});
 }
 
-TableReader::TableReader(const TomlValue &value, std::string_view what, std::initializer_list<std::string_view> keys) : value_(value) {
+TableReader::TableReader(const TomlValue &value, std::string_view what, const std::vector<std::string_view> &keys) : value_(value) {
     if (value.kind != Kind::Table) failInput(value.where, describe(value), "a table " + std::string(what));
-    const std::vector<std::string_view> known(keys);
     for (const TomlEntry &entry : value.entries)
-        if (std::find(known.begin(), known.end(), entry.key) == known.end()) failUnknownName(entry.where, entry.key, known);
+        if (std::find(keys.begin(), keys.end(), entry.key) == keys.end()) failUnknownName(entry.where, entry.key, keys);
 }
 
 const TomlValue *TableReader::find(std::string_view key) {

@@ -5,7 +5,6 @@
 #include "taut/deform/keyed.h"
 #include "taut/scene/toml_value.h"
 
-#include <initializer_list>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -63,7 +62,7 @@ class TableReader {
   public:
     /// `what` names the table in errors: "[render]", "a [[light]]". `keys` are all the keys that any such table may have.
     /// Throws where `value` is no table or has another key.
-    TableReader(const TomlValue &value, std::string_view what, std::initializer_list<std::string_view> keys);
+    TableReader(const TomlValue &value, std::string_view what, const std::vector<std::string_view> &keys);
 
     /// The value of a key, null where it is not given. The key counts as understood.
     const TomlValue *find(std::string_view key);

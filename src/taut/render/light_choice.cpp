@@ -1,0 +1,150 @@
+#include "taut/render/lights.h"
+
+namespace taut {
+
+namespace {
+
+/// Share of the choice that is spread evenly over the lights.
+constexpr float kEvenShare = 0.1F;
+
+/// Irradiance that an unoccluded light could cause at a point, up to a common factor and the receiver's cosine. Zero only where
+/// the light can send nothing.
+float importance(const LightTable &table, const LightPart &part, const Vec3 &point) {
+    const LightEntry &entry = table.entries[part.entry];
+    return std::visit(
+        [&](const auto &light) {
+            if constexpr (requires { light.importance(1.0F, point); })
+                return light.importance(luminance(entry.radiance), point);
+            else
+                return importance(table.fewParts[entry.firstPart + part.triangle], point);
+        },
+        entry.shape);
+}
+
+/// Probability of a choice of importance `own` among `count` of importance `total`.
+float probabilityOf(float own, float total, std::size_t count) {
+    const float even = 1 / static_cast<float>(count);
+    return total > 0 && std::isfinite(total) ? kEvenShare * even + (1 - kEvenShare) * own / total : even;
+}
+
+/// What is weighed one by one at a point: all there is where that is little, else the tree as one beside what reaches everywhere.
+struct Choices {
+    float total = 0;
+    float tree = 0; ///< importance of the tree's lights together
+    std::size_t count = 0;
+};
+
+/// Calls `weigh(part, importance)` for all choices, until it returns true.
+template <class Weigh> void eachOfFew(const LightTable &table, const Vec3 &point, const Weigh &weigh) {
+    for (Index entry = 0; entry < table.entries.size(); ++entry) {
+        const Index triangles = partCount(table.entries[entry]);
+        for (Index triangle = 0; triangle < triangles; ++triangle)
+            if (weigh(LightPart{entry, triangle}, importance(table, {entry, triangle}, point))) return;
+    }
+}
+
+Choices choicesAt(const LightTable &table, const Vec3 &point) {
+    Choices choices;
+    if (table.few) {
+        eachOfFew(table, point, [&](const LightPart &, float own) {
+            choices.total += own;
+            ++choices.count;
+            return false;
+        });
+        return choices;
+    }
+    for (const Index entry : table.everywhere) choices.total += importance(table, {entry, 0}, point);
+    choices.tree = importance(table.tree, point);
+    choices.total += choices.tree;
+    choices.count = table.everywhere.size() + (choices.tree > 0 ? 1 : 0);
+    return choices;
+}
+
+/// Appends the bounds of a light's parts while the shutter is open; false where it reaches everywhere alike.
+bool appendBounds(const LightEntry &entry, std::vector<LightBounds> &bounds) {
+    const float strength = luminance(entry.radiance);
+    return std::visit(
+        [&](const auto &light) {
+            if constexpr (std::is_same_v<decltype(light), const MeshEmitter &>) {
+                for (Index triangle = 0; triangle < light.triangles.size(); ++triangle)
+                    bounds.push_back(emitterBounds(light, triangle, strength));
+                return true;
+            } else if constexpr (requires { light.bounds(strength); }) {
+                LightBounds one = light.bounds(strength);
+                one.met = requires {
+                    light.meet(Vec3(), Vec3(), 0.0F);
+                };
+                if (one.met) one.power = std::max(one.power, 1e-30F); // a black one may still be seen
+                bounds.push_back(one);
+                return true;
+            } else {
+                return false;
+            }
+        },
+        entry.shape);
+}
+
+} // namespace
+
+void prepareChoice(LightTable &table) {
+    table.parts.clear();
+    table.fewParts.clear();
+    table.everywhere.clear();
+    std::vector<LightBounds> bounds;
+    for (Index i = 0; i < table.entries.size(); ++i) {
+        const bool somewhere = appendBounds(table.entries[i], bounds);
+        table.entries[i].firstPart = somewhere ? static_cast<Index>(table.parts.size()) : kNone;
+        if (!somewhere) table.everywhere.push_back(i);
+        for (Index triangle = 0; table.parts.size() < bounds.size(); ++triangle) table.parts.push_back({i, triangle});
+    }
+    table.choices = table.parts.size() + table.everywhere.size();
+    table.few = table.choices <= kFewChoices;
+    table.tree = {};
+    if (!table.few) {
+        table.tree = buildLightTree(bounds);
+        return;
+    }
+    for (Index part = 0; part < bounds.size(); ++part) table.fewParts.push_back(leafOf(bounds[part], part));
+}
+
+float probabilityAmong(const LightTable &table, const LightPart &part, const Vec3 &point) {
+    const Index firstPart = table.entries[part.entry].firstPart;
+    const bool inTree = !table.few && firstPart != kNone;
+    const float below = inTree ? leafProbability(table.tree, firstPart + part.triangle, point) : 1.0F;
+    if (inTree && table.everywhere.empty()) return below;
+    const Choices choices = choicesAt(table, point);
+    if (inTree && !(choices.tree > 0)) return 0;
+    return below * probabilityOf(inTree ? choices.tree : importance(table, part, point), choices.total, choices.count);
+}
+
+LightChoice chooseAmong(const LightTable &table, const Vec3 &point, float choose) {
+    const auto fromTree = [&](float number, float probability) -> LightChoice {
+        const LeafChoice leaf = chooseLeaf(table.tree, point, number);
+        if (leaf.light == kNone) return {};
+        const LightPart &part = table.parts[leaf.light];
+        return {part.entry, part.triangle, probability * leaf.probability};
+    };
+    if (!table.few && table.everywhere.empty()) return fromTree(choose, 1);
+    const Choices choices = choicesAt(table, point);
+    LightChoice chosen;
+    float below = 0;
+    // The last takes what rounding leaves over.
+    const auto weigh = [&](const LightPart &part, float own) {
+        const float probability = probabilityOf(own, choices.total, choices.count);
+        chosen = {part.entry, part.triangle, probability};
+        if (choose < below + probability) return true;
+        below += probability;
+        return false;
+    };
+    if (table.few) {
+        eachOfFew(table, point, weigh);
+        return chosen;
+    }
+    for (const Index entry : table.everywhere)
+        if (weigh({entry, 0}, importance(table, {entry, 0}, point))) return chosen;
+    if (!(choices.tree > 0)) return chosen;
+    const float probability = probabilityOf(choices.tree, choices.total, choices.count);
+    return fromTree(std::clamp((choose - below) / probability, 0.0F, kOneMinusEpsilon), probability);
+}
+
+} // namespace taut

@@ -1,0 +1,108 @@
+/// The sections [[light]] of a scene file. What keys a light has is said by its kind (scene/lights/).
+
+#include "taut/scene/load_context.h"
+
+namespace taut {
+
+namespace {
+
+constexpr Range kConeAngle{0, 90, false};
+constexpr std::string_view kMesh = "mesh"; ///< the type of [[light]] that is no Light: objects emit
+
+/// The words for a light's keys: here they read a table.
+struct LightKeys {
+    TableReader &table;
+    Light &light;
+
+    void brightness(std::string_view key) { table.read(key, light.radiance, tripleIn(kNotNegative)); }
+    void cameraVisible() { table.read("camera_visible", light.cameraVisible); }
+    void vector(std::string_view key, DVec3 &target) { table.read(key, target, vec3In()); }
+    void direction(std::string_view key, DVec3 &target) { table.read(key, target, toDirection); }
+    void length(std::string_view key, double &target) { table.read(key, target, numberIn(kPositive)); }
+    void coneAngle(std::string_view key, double &target) { table.read(key, target, numberIn(kConeAngle, radians(1))); }
+    void flag(std::string_view key, bool &target) { table.read(key, target); }
+};
+
+/// The words again, to list all keys: those of each kind, its brightness after its shape, flags last.
+struct KeyNames {
+    std::vector<std::string_view> names{"type"}, flags;
+    std::string_view brightnessKey;
+
+    static void add(std::vector<std::string_view> &list, std::string_view key) {
+        if (std::find(list.begin(), list.end(), key) == list.end()) list.push_back(key);
+    }
+    void brightness(std::string_view key) { brightnessKey = key; }
+    void cameraVisible() { flag("camera_visible", false); }
+    template <class T> void vector(std::string_view key, const T & /*target*/) { add(names, key); }
+    template <class T> void direction(std::string_view key, const T & /*target*/) { add(names, key); }
+    template <class T> void length(std::string_view key, const T & /*target*/) { add(names, key); }
+    template <class T> void coneAngle(std::string_view key, const T & /*target*/) { add(names, key); }
+    void flag(std::string_view key, bool /*target*/) { add(flags, key); }
+};
+
+std::vector<std::string_view> allKeys() {
+    KeyNames keys;
+    forEachLightShape([&](auto shape) {
+        shape.read(keys);
+        KeyNames::add(keys.names, keys.brightnessKey);
+    });
+    keys.names.push_back(kMesh);
+    keys.names.insert(keys.names.end(), keys.flags.begin(), keys.flags.end());
+    return keys.names;
+}
+
+void addMeshLight(LoadContext &context, TableReader &table) {
+    const TomlValue &target = table.required("mesh", "mesh = \"name of a [[mesh]]\"");
+    ColorParam radiance{Vec3(1)};
+    bool twoSided = false;
+    table.read("radiance", radiance, [&](const TomlValue &v) { return toColorParam(context, v, kNotNegative); });
+    table.read("two_sided", twoSided);
+    const std::string prefix = toText(target) + "/";
+    bool found = false;
+    for (Object &object : context.scene.objects) {
+        if (object.name != target.text && object.name.compare(0, prefix.size(), prefix) != 0) continue;
+        object.emission = radiance;
+        object.emissionTwoSided = twoSided;
+        found = true;
+    }
+    if (found) return;
+    if (context.scene.objects.empty()) failInput(target.where, quoted(target.text), "the name of a mesh, but there is no [[mesh]]");
+    const std::vector<std::string_view> names(context.objectNames.begin(), context.objectNames.end());
+    failUnknownName(target.where, target.text, names);
+}
+
+Light toLight(TableReader &table, const LightShape &kind) {
+    Light light;
+    light.shape = kind;
+    std::visit(
+        [&](auto &shape) {
+            LightKeys keys{table, light};
+            shape.read(keys);
+            if constexpr (requires { shape.fault(); })
+                if (const auto fault = shape.fault()) failInput(table.where(), fault->found, fault->expected);
+        },
+        light.shape);
+    return light;
+}
+
+} // namespace
+
+void loadLights(LoadContext &context, const TomlValue &section) {
+    if (section.kind != TomlValue::Kind::Array) failInput(section.where, describe(section), "tables [[light]]");
+    Names<std::optional<LightShape>> kinds;
+    forEachLightShape([&](const auto &shape) { kinds.emplace_back(shape.kName, shape); });
+    kinds.emplace_back(kMesh, std::nullopt);
+    const std::vector<std::string_view> keys = allKeys();
+    for (const TomlValue &entry : section.items) {
+        TableReader table(entry, "[[light]]", keys);
+        std::optional<LightShape> kind = LightShape();
+        table.read("type", kind, oneOf(kinds));
+        if (kind)
+            context.scene.lights.push_back(toLight(table, *kind));
+        else
+            addMeshLight(context, table);
+        table.finish();
+    }
+}
+
+} // namespace taut
