@@ -12,8 +12,6 @@ namespace {
 
 #define TAUT_INLINE [[gnu::always_inline]] inline
 
-constexpr double kTwoPi = 6.283185307179586;
-
 /// cos(theta) at the upper edge of row `row` of `height`.
 double cosAtRow(int row, int height) {
     return std::cos(kTwoPi / 2 * row / height);

@@ -8,8 +8,8 @@
 #include "taut/deform/gradient_interpolation.h"
 #include "taut/deform/keyed.h"
 #include "taut/deform/point_source.h"
-#include "taut/deform/surface_motion.h"
 #include "taut/deform/rig.h"
+#include "taut/deform/surface_motion.h"
 #include "taut/mesh/mesh.h"
 #include "taut/mesh/subdivide.h"
 #include "taut/scene/environment.h"
@@ -100,7 +100,7 @@ struct Object {
     std::vector<Index> materials; ///< [max(1, mesh->materialNames)], into Scene::materials, by face material slot
     std::optional<RigMotion> rig;
     std::shared_ptr<const PointSource> points; ///< positions over time from arrays, a function or files; null: the mesh's own
-    std::vector<DeformerKeys> deformers; ///< in the object's space, before the placement (of a rig: in the rig's space)
+    std::vector<DeformerKeys> deformers;       ///< in the object's space, before the placement (of a rig: in the rig's space)
     Placement placement;
     SubdivisionOptions subdivision;
     bool planLevel = false; ///< the plan chooses subdivision.level; what that holds is for those who do not plan
