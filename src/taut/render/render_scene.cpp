@@ -2,6 +2,7 @@
 
 #include "taut/base/stopwatch.h"
 #include "taut/deform/stored_gloss.h"
+#include "taut/scene/check_scene.h"
 
 #include <algorithm>
 
@@ -69,6 +70,7 @@ StageTimes &StageTimes::operator+=(const StageTimes &other) {
 
 RenderScene::RenderScene(const Scene &scene, ScenePlan plan, bool animated)
     : scene_(&scene), plan_(std::move(plan)), objects_(scene.objects.size()) {
+    check(scene);
     std::vector<DeformingMesh> deforming;
     for (std::size_t i = 0; i < objects_.size(); ++i) {
         const Object &object = scene.objects[i];
