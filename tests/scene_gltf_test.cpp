@@ -32,8 +32,8 @@ TEST_CASE("a glTF file is a scene", "[scene][gltf]") {
     // Its camera gives way to one in the scene; single settings do not displace it.
     CHECK(!loadScene(folder + "/figure.glb", {"camera.position=[1,2,3]"}, warnings).camera.rig);
     CHECK(loadScene(folder + "/figure.glb", {"camera.fov_deg=20"}, warnings).camera.fovY.first() == Approx(radians(20)));
-    CHECK(loadScene(folder + "/figure.glb", {"mesh.0.clip=none"}, warnings).objects.at(0).gltf->clip == kNone);
-    CHECK(loadScene(folder + "/figure.glb", {"mesh.0.clip=rise", "mesh.0.loop=true"}, warnings).objects.at(0).gltf->loop);
+    CHECK(loadScene(folder + "/figure.glb", {"mesh.0.clip=none"}, warnings).objects.at(0).rig->clip == kNone);
+    CHECK(loadScene(folder + "/figure.glb", {"mesh.0.clip=rise", "mesh.0.loop=true"}, warnings).objects.at(0).rig->loop);
 }
 
 TEST_CASE("a glTF file within a scene", "[scene][gltf]") {
