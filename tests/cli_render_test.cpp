@@ -4,6 +4,8 @@
 #include "cli_fixtures.h"
 #include "mesh_samples.h"
 
+#include "taut/base/srgb.h"
+
 #include <nlohmann/json.hpp>
 
 using namespace taut;
@@ -50,7 +52,7 @@ TEST_CASE("cli: a render with everything asked for", "[cli]") {
     for (int y = 0; y < 12; ++y)
         for (int x = 0; x < 16; ++x)
             for (const char *c : {"R", "G", "B"})
-                CHECK(std::fabs(valueAt(png, x, y, c) - static_cast<double>(srgbEncode(static_cast<float>(valueAt(exr, x, y, c))))) <
+                CHECK(std::fabs(valueAt(png, x, y, c) - static_cast<double>(srgbFromLinear(static_cast<float>(valueAt(exr, x, y, c))))) <
                       0.51 / 255);
 
     for (const std::string &path : {place.path("new/a.exr"), place.path("a.png")}) {

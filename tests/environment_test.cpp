@@ -10,8 +10,6 @@ using namespace taut::test;
 
 namespace {
 
-constexpr double kTwoPi = 6.283185307179586;
-
 /// A map with everything that makes sampling hard: one texel a thousand times brighter, black columns and rows, a bright pole.
 Environment harshEnvironment(int width = 16, int height = 8, double rotation = 0.7) {
     std::mt19937 random(5);

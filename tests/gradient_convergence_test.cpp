@@ -41,13 +41,9 @@ template <class F> Row rowOf(const std::string &name, const std::string &what, c
 } // namespace
 
 TEST_CASE("Every estimator converges to the closed form with its order", "[gradient][convergence]") {
-    const std::vector<std::pair<GradientEstimator, std::string>> estimators{{GradientEstimator::Face, "face"},
-                                                                            {GradientEstimator::Area, "area"},
-                                                                            {GradientEstimator::Angle, "angle"},
-                                                                            {GradientEstimator::LeastSquares, "least-squares"},
-                                                                            {GradientEstimator::Analytic, "analytic"}};
     for (const GradientCase &c : gradientCases())
-        for (const auto &[estimator, name] : estimators) {
+        for (const auto &[estimator, name] : kEstimators) {
+            if (estimator == GradientEstimator::Limit) continue; // these meshes are not subdivided
             INFO(c.name << ", " << name);
             const Row row = rowOf(c.name, name, [&, e = estimator](int n) { return estimatorError(c, e, n); });
             if (estimator == GradientEstimator::Face) {
@@ -63,13 +59,8 @@ TEST_CASE("Every estimator converges to the closed form with its order", "[gradi
 }
 
 TEST_CASE("Every interpolation converges to the closed form with its order", "[gradient][convergence]") {
-    const std::vector<std::pair<GradientInterpolation, std::string>> schemes{{GradientInterpolation::Stretch, "stretch"},
-                                                                             {GradientInterpolation::DsDt, "ds-dt"},
-                                                                             {GradientInterpolation::Cholesky, "cholesky"},
-                                                                             {GradientInterpolation::LogEuclidean, "log"},
-                                                                             {GradientInterpolation::Face, "face"}};
     for (const GradientCase &c : gradientCases())
-        for (const auto &[scheme, name] : schemes) {
+        for (const auto &[scheme, name] : kInterpolations) {
             INFO(c.name << ", " << name);
             const Row row = rowOf(c.name, name, [&, s = scheme](int n) { return interpolationError(c, s, n); });
             if (scheme == GradientInterpolation::Face)

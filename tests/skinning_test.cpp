@@ -14,8 +14,8 @@ namespace {
 struct Fixture {
     std::vector<Vec3> positions;
     SkinWeights skin;
-    std::vector<Mat4x3> joints;
-    Mat4x3 fallback{2, 0, 0, 0, 2, 0, 0, 0, 2, 1, 2, 3};
+    std::vector<Affine> joints;
+    Affine fallback{2, 0, 0, 0, 2, 0, 0, 0, 2, 1, 2, 3};
     std::vector<MorphTarget> morphs;
 
     Fixture() {
@@ -52,7 +52,7 @@ const Fixture &fixture() {
 /// Row by row in double, straight from the definition.
 DVec3 skinnedInDouble(const Fixture &f, std::size_t v) {
     DVec3 sum(0);
-    const auto apply = [&](const Mat4x3 &m, double weight) {
+    const auto apply = [&](const Affine &m, double weight) {
         for (int row = 0; row < 3; ++row) {
             double value = m[3][row];
             for (int column = 0; column < 3; ++column) value += double(m[column][row]) * f.positions[v][column];
@@ -89,7 +89,9 @@ TEST_CASE("Skinned positions are those of the definition in double", "[skinning]
     one.offsets = {0, 1, 1};
     one.joints = {0};
     one.weights = {1};
-    skinPositions(one, {Mat4x3(0, 1, 0, -1, 0, 0, 0, 0, 1, 0, 0, 5)}, f.fallback, {Vec3(1, 2, 3), Vec3(1, 1, 1)}, out);
+    const std::vector<Affine> quarter{Affine(0, 1, 0, -1, 0, 0, 0, 0, 1, 0, 0, 5)};
+    const std::vector<Vec3> two{Vec3(1, 2, 3), Vec3(1, 1, 1)};
+    skinPositions(one, quarter, f.fallback, two, out);
     CHECK(out == std::vector<Vec3>{Vec3(-2, 1, 8), Vec3(3, 4, 5)}); // the second follows no joint
 }
 
@@ -98,7 +100,7 @@ TEST_CASE("The blended transform is the weighted sum and moves its vertex", "[sk
     std::vector<Vec3> out;
     skinPositions(f.skin, f.joints, f.fallback, f.positions, out);
     for (Index v = 0; v < 50; ++v) {
-        const Mat4x3 blend = blendedTransform(f.skin, v, f.joints, f.fallback);
+        const Affine blend = blendedTransform(f.skin, v, f.joints, f.fallback);
         for (int column = 0; column < 4; ++column) {
             DVec3 expected(f.skin.offsets[v] == f.skin.offsets[v + 1] ? DVec3(f.fallback[column]) : DVec3(0));
             for (Index k = f.skin.offsets[v]; k < f.skin.offsets[v + 1]; ++k)
@@ -111,7 +113,7 @@ TEST_CASE("The blended transform is the weighted sum and moves its vertex", "[sk
 
 TEST_CASE("One matrix for all joints is that matrix for all vertices", "[skinning]") {
     const Fixture &f = fixture();
-    const std::vector<Mat4x3> same(f.joints.size(), f.joints[3]);
+    const std::vector<Affine> same(f.joints.size(), f.joints[3]);
     std::vector<Vec3> out;
     skinPositions(f.skin, same, f.joints[3], f.positions, out);
     float worst = 0;
@@ -121,7 +123,8 @@ TEST_CASE("One matrix for all joints is that matrix for all vertices", "[skinnin
 
 TEST_CASE("An unskinned mesh follows the fallback", "[skinning]") {
     std::vector<Vec3> out(1);
-    skinPositions(SkinWeights{}, {}, fixture().fallback, {Vec3(0), Vec3(1)}, out);
+    const std::vector<Vec3> two{Vec3(0), Vec3(1)};
+    skinPositions(SkinWeights{}, {}, fixture().fallback, two, out);
     CHECK(out == std::vector<Vec3>{Vec3(1, 2, 3), Vec3(3, 4, 5)});
 }
 

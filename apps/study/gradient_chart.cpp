@@ -16,18 +16,6 @@ namespace taut::chart {
 
 namespace {
 
-const char *nameOf(GradientEstimator estimator) {
-    switch (estimator) {
-    case GradientEstimator::Face: return "face";
-    case GradientEstimator::Area: return "area";
-    case GradientEstimator::Angle: return "angle";
-    case GradientEstimator::LeastSquares: return "least squares";
-    case GradientEstimator::Limit: return "limit";
-    case GradientEstimator::Analytic: return "analytic";
-    }
-    return "";
-}
-
 constexpr GradientEstimator kOfMeshes[] = {GradientEstimator::Face, GradientEstimator::Area, GradientEstimator::Angle,
                                            GradientEstimator::LeastSquares, GradientEstimator::Analytic};
 constexpr GradientEstimator kOfLimits[] = {GradientEstimator::Face, GradientEstimator::Area, GradientEstimator::Angle,
@@ -209,11 +197,11 @@ Chart measureGradient(const ChartOptions &options) {
     const auto against = [](const Panel &panel, GradientEstimator ours) {
         const Point &chosen = pointOf(panel, nameOf(ours));
         const Point &fit = pointOf(panel, nameOf(GradientEstimator::Area));
-        return std::string(nameOf(ours)) + " takes " + digits(chosen.x.value / fit.x.value, 2) +
+        return nameOf(ours) + " takes " + digits(chosen.x.value / fit.x.value, 2) +
                " of the area fit's time, at an error of " + digits(chosen.y.value, 2) + " against " + digits(fit.y.value, 2);
     };
     chart.choice =
-        std::string("Default: ") + nameOf(chosenFor(0)) + " for meshes, " + nameOf(chosenFor(1)) +
+        "Default: " + nameOf(chosenFor(0)) + " for meshes, " + nameOf(chosenFor(1)) +
         " for subdivided ones. Under deformers " + against(chart.panels[0], chosenFor(0)) + "; on limit surfaces " +
         against(chart.panels[2], chosenFor(1)) +
         ", for one pass over its rows gives positions and derivatives. With a skin the derivative of the weights is a fit's, and the "

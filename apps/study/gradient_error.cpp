@@ -30,12 +30,6 @@ GradientError finished(GradientError error, std::size_t count) {
     return error;
 }
 
-GradientFit fitOf(GradientEstimator estimator) {
-    return estimator == GradientEstimator::Angle          ? GradientFit::Angle
-           : estimator == GradientEstimator::LeastSquares ? GradientFit::LeastSquares
-                                                          : GradientFit::Area;
-}
-
 std::vector<Vec3> metricsOf(const Mesh &mesh, const Surface &surface) {
     std::vector<Vec3> rest;
     for (const Index s : surface.vertexSurface) rest.push_back(mesh.positions[surface.surfacePosition[s]]);
@@ -65,13 +59,7 @@ void VertexStretches::evaluate() {
 
 void stretchesOf(const Surface &surface, const SurfaceGradient &gradient, std::vector<SymmetricTensor> &out) {
     out.resize(surface.vertexCount());
-    parallelFor(out.size(), 2048, [&](std::size_t v) {
-        const Index s = surface.vertexSurface[v];
-        const Vec4 &k = surface.frameCoefficients[v];
-        const Vec3 &f1 = gradient.f1[s];
-        const Vec3 &f2 = gradient.f2[s];
-        out[v] = polarGradient(f1 * k.x + f2 * k.y, f1 * k.z + f2 * k.w, gradient.normal[s]).stretch;
-    });
+    parallelFor(out.size(), 2048, [&](std::size_t v) { out[v] = polarAt(surface, gradient, v).stretch; });
 }
 
 GradientError estimatorError(const GradientCase &c, GradientEstimator estimator, int n) {

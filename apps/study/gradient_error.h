@@ -3,7 +3,7 @@
 
 #include "study/gradient_cases.h"
 
-#include "taut/deform/gradient_interpolation.h"
+#include "taut/deform/estimators.h"
 
 namespace taut::chart {
 
@@ -29,8 +29,6 @@ class VertexStretches {
     std::vector<SymmetricTensor> stretch_;
 };
 
-/// The fit behind an estimator; Area where it is none.
-GradientFit fitOf(GradientEstimator estimator);
 /// restMetrics() of a mesh that is at rest as it stands.
 std::vector<Vec3> metricsOf(const Mesh &mesh, const Surface &surface);
 /// V at the render vertices of a surface.

@@ -20,17 +20,6 @@ namespace {
 constexpr GradientInterpolation kSchemes[] = {GradientInterpolation::Face, GradientInterpolation::Stretch, GradientInterpolation::DsDt,
                                               GradientInterpolation::Cholesky, GradientInterpolation::LogEuclidean};
 
-const char *nameOf(GradientInterpolation scheme) {
-    switch (scheme) {
-    case GradientInterpolation::Stretch: return "V";
-    case GradientInterpolation::DsDt: return "ds, dt";
-    case GradientInterpolation::Cholesky: return "Cholesky";
-    case GradientInterpolation::LogEuclidean: return "log V";
-    case GradientInterpolation::Face: return "face";
-    }
-    return "";
-}
-
 bool isDefault(GradientInterpolation scheme) {
     return scheme == MeshPlan{}.interpolation;
 }

@@ -10,8 +10,6 @@ namespace taut {
 
 namespace {
 
-constexpr double kTwoPi = 6.283185307179586;
-
 /// Steps of a roof's profile.
 constexpr int kSteps = 8;
 

@@ -1,6 +1,7 @@
 #include "false_colour.h"
 
 #include "taut/base/error.h"
+#include "taut/base/srgb.h"
 
 #include <algorithm>
 #include <array>
@@ -17,16 +18,12 @@ constexpr std::array<std::array<float, 3>, 6> kAnchors{{{0.05F, 0.05F, 0.35F},
                                                         {0.52F, 0.80F, 0.28F},
                                                         {0.98F, 0.92F, 0.20F}}};
 
-float toLinear(float srgb) {
-    return srgb <= 0.04045F ? srgb / 12.92F : std::pow((srgb + 0.055F) / 1.055F, 2.4F);
-}
-
 Vec3 colourOf(float x) {
     const float at = glm::clamp(x, 0.0F, 1.0F) * static_cast<float>(kAnchors.size() - 1);
     const auto i = std::min(static_cast<std::size_t>(at), kAnchors.size() - 2);
     Vec3 colour;
     for (std::size_t c = 0; c < 3; ++c)
-        colour[static_cast<int>(c)] = toLinear(glm::mix(kAnchors[i][c], kAnchors[i + 1][c], at - static_cast<float>(i)));
+        colour[static_cast<int>(c)] = linearFromSrgb(glm::mix(kAnchors[i][c], kAnchors[i + 1][c], at - static_cast<float>(i)));
     return colour;
 }
 

@@ -36,14 +36,6 @@ std::string_view nameOf(StretchModel model) {
     }
     return "";
 }
-std::string_view nameOf(GradientEstimator estimator) {
-    static constexpr std::array<std::string_view, 6> kNames{"face", "area", "angle", "least-squares", "limit", "analytic"};
-    return kNames[static_cast<std::size_t>(estimator)];
-}
-std::string_view nameOf(GradientInterpolation interpolation) {
-    static constexpr std::array<std::string_view, 5> kNames{"stretch", "ds-dt", "cholesky", "log", "face"};
-    return kNames[static_cast<std::size_t>(interpolation)];
-}
 std::string_view nameOf(Multiscatter model) {
     static constexpr std::array<std::string_view, 4> kNames{"off", "compensation", "walk", "by each hit's M"};
     return kNames[static_cast<std::size_t>(model)];

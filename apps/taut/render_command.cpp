@@ -5,13 +5,13 @@
 #include "scene_arguments.h"
 
 #include "taut/base/frame_set.h"
+#include "taut/base/peak_memory.h"
 #include "taut/render/image_file.h"
 #include "taut/render/frame_render.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include <fstream>
@@ -112,12 +112,6 @@ std::string sceneHash(const SceneArguments &arguments) {
     for (const std::string &text : arguments.overrides)
         for (const char c : text + '\n') add(c);
     return fmt::format("{:016x}", h);
-}
-
-double peakMegabytes() {
-    rusage usage{};
-    getrusage(RUSAGE_SELF, &usage);
-    return static_cast<double>(usage.ru_maxrss) / 1024;
 }
 
 nlohmann::json toJson(const StageTimes &times) {

@@ -2,8 +2,6 @@
 /// Vector and matrix names used throughout: GLM types, column-major, column vectors (`M * v`).
 /// Inside the library lengths are metres, times seconds, angles radians.
 
-#define GLM_FORCE_SILENT_WARNINGS
-#define GLM_ENABLE_EXPERIMENTAL
 #include <glm/glm.hpp>
 #include <glm/gtc/quaternion.hpp>
 
@@ -13,25 +11,30 @@
 
 namespace taut {
 
-using Vec2 = glm::vec2;
-using Vec3 = glm::vec3;
-using Vec4 = glm::vec4;
-using Mat2 = glm::mat2;
-using Mat3 = glm::mat3;
-using Mat4 = glm::mat4;
-using Quat = glm::quat;
-using DVec2 = glm::dvec2;
-using DVec3 = glm::dvec3;
-using DMat3 = glm::dmat3;
-using DMat4 = glm::dmat4;
-using DQuat = glm::dquat;
+// Named by what they are, not by GLM's short names, which GLM_FORCE_... macros of a program that includes us may turn into others.
 /// Vectors of any real type, for code that is instantiated in float, double and long double.
-template <class T> using Vector2 = glm::vec<2, T, glm::defaultp>;
-template <class T> using Vector3 = glm::vec<3, T, glm::defaultp>;
+template <class T> using Vector2 = glm::vec<2, T, glm::packed_highp>;
+template <class T> using Vector3 = glm::vec<3, T, glm::packed_highp>;
+template <class T> using Vector4 = glm::vec<4, T, glm::packed_highp>;
+template <int Columns, int Rows, class T> using Matrix = glm::mat<Columns, Rows, T, glm::packed_highp>;
+using Vec2 = Vector2<float>;
+using Vec3 = Vector3<float>;
+using Vec4 = Vector4<float>;
+using Mat2 = Matrix<2, 2, float>;
+using Mat3 = Matrix<3, 3, float>;
+using Mat4 = Matrix<4, 4, float>;
+using Quat = glm::qua<float, glm::packed_highp>;
+using DVec2 = Vector2<double>;
+using DVec3 = Vector3<double>;
+using DVec4 = Vector4<double>;
+using DMat3 = Matrix<3, 3, double>;
+using DMat4 = Matrix<4, 4, double>;
+using DQuat = glm::qua<double, glm::packed_highp>;
 using Index = std::uint32_t;
-using Index3 = glm::u32vec3;
+using Index3 = Vector3<std::uint32_t>;
 
 inline constexpr float kPi = 3.14159265358979323846F;
+inline constexpr double kTwoPi = 6.28318530717958647693;
 inline constexpr float kInvPi = 0.31830988618379067154F;
 inline constexpr float kInfinity = INFINITY;
 /// Largest float below one: the upper end of every canonical random number.

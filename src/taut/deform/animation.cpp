@@ -85,8 +85,8 @@ struct LocalTransform {
 DMat4 matrixOf(const LocalTransform &local) {
     const DMat3 rotation = glm::mat3_cast(local.rotation);
     DMat4 matrix(1);
-    for (int axis = 0; axis < 3; ++axis) matrix[axis] = glm::dvec4(rotation[axis] * local.scale[axis], 0);
-    matrix[3] = glm::dvec4(local.translation, 1);
+    for (int axis = 0; axis < 3; ++axis) matrix[axis] = DVec4(rotation[axis] * local.scale[axis], 0);
+    matrix[3] = DVec4(local.translation, 1);
     return matrix;
 }
 

@@ -128,7 +128,7 @@ DeformedPoint taper(const Deformer &deformer, const DVec3 &position) {
 }
 
 double waveNumber(const Deformer &deformer) {
-    return rateOf(2 * 3.14159265358979323846, deformer.wavelength);
+    return rateOf(kTwoPi, deformer.wavelength);
 }
 
 DeformedPoint wave(const Deformer &deformer, const DVec3 &position) {

@@ -10,11 +10,9 @@ namespace {
         const Vec3 f1(block.f1[0][i], block.f1[1][i], block.f1[2][i]);
         const Vec3 f2(block.f2[0][i], block.f2[1][i], block.f2[2][i]);
         const Vec3 n(block.n[0][i], block.n[1][i], block.n[2][i]);
-        const float x = block.coefficients[0][i];
-        const float y = block.coefficients[1][i];
-        const float z = block.coefficients[2][i];
-        const float w = block.coefficients[3][i];
-        const PolarGradient polar = polarGradient(f1 * x + f2 * y, f1 * z + f2 * w, n);
+        const Vec4 k(block.coefficients[0][i], block.coefficients[1][i], block.coefficients[2][i], block.coefficients[3][i]);
+        const Tangents image = tangentsFrom(k, f1, f2);
+        const PolarGradient polar = polarGradient(image.ds, image.dt, n);
         block.diagonal[0][i] = polar.stretch.diagonal.x;
         block.diagonal[1][i] = polar.stretch.diagonal.y;
         block.diagonal[2][i] = polar.stretch.diagonal.z;

@@ -8,25 +8,15 @@ namespace taut {
 namespace {
 
 /// Vertices a task takes at a time: enough to hide its cost.
-constexpr std::size_t kGrain = 4096;
+constexpr std::size_t kGrain = 2048;
 
 } // namespace
 
-Mat4x3 blendedTransform(const SkinWeights &skin, Index vertex, const std::vector<Mat4x3> &joints, const Mat4x3 &fallback) {
-    if (skin.empty()) return fallback;
-    const Index begin = skin.offsets[vertex];
-    const Index end = skin.offsets[vertex + 1];
-    if (begin == end) return fallback;
-    Mat4x3 blend = skin.weights[begin] * joints[skin.joints[begin]];
-    for (Index k = begin + 1; k < end; ++k) blend += skin.weights[k] * joints[skin.joints[k]];
-    return blend;
-}
-
-void skinPositions(const SkinWeights &skin, const std::vector<Mat4x3> &joints, const Mat4x3 &fallback, const std::vector<Vec3> &positions,
+void skinPositions(const SkinWeights &skin, std::span<const Affine> joints, const Affine &fallback, std::span<const Vec3> positions,
                    std::vector<Vec3> &out) {
     if (out.size() != positions.size()) out.resize(positions.size());
     parallelFor(positions.size(), kGrain,
-                [&](std::size_t v) { out[v] = blendedTransform(skin, static_cast<Index>(v), joints, fallback) * Vec4(positions[v], 1); });
+                [&](std::size_t v) { out[v] = transformPoint(blendedTransform(skin, v, joints, fallback), positions[v]); });
 }
 
 void morphPositions(const std::vector<Vec3> &positions, const std::vector<MorphTarget> &morphs, const std::vector<float> &weights,

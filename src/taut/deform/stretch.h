@@ -34,6 +34,15 @@ inline Lean leanOf(const Vec3 &normalImage, const Vec3 &n) {
     return {1 / lambda, (normalImage - n * along) / along};
 }
 
+/// Images ds of t0 and dt of b0 from those of e1 and e2, with t0 = k.x e1 + k.y e2 and b0 = k.z e1 + k.w e2 (of e1 and e2 themselves:
+/// t0 and b0).
+struct Tangents {
+    Vec3 ds, dt;
+};
+inline Tangents tangentsFrom(const Vec4 &k, const Vec3 &f1, const Vec3 &f2) {
+    return {f1 * k.x + f2 * k.y, f1 * k.z + f2 * k.w};
+}
+
 struct PolarGradient {
     SymmetricTensor stretch; ///< V
     Vec4 tangent;            ///< xyz = R t0, unit; w = +1 or -1: the sense of dt (-1 under mirrored UVs)

@@ -3,6 +3,7 @@
 #include "taut/base/error.h"
 #include "taut/base/frame.h"
 #include "taut/base/parallel.h"
+#include "taut/deform/skinning.h"
 
 #include <atomic>
 #include <cstring>
@@ -74,7 +75,7 @@ Vec3 toVec3(const Lanes &lanes) {
     return {lanes[0], lanes[1], lanes[2]};
 }
 
-/// The same with the position, on a limit surface.
+/// The derivatives and the position on a limit surface.
 void differentiateLimit(const Surface &surface, std::size_t s, const std::vector<Vec4> &points, Vec3 &position, Vec3 &f1, Vec3 &f2) {
     const Index begin = surface.stencilOffsets[s];
     const Index end = surface.stencilOffsets[s + 1];
@@ -136,12 +137,8 @@ struct Blend {
 Blend blendAt(const Surface &surface, std::size_t s, const MotionState &motion, const SkinWeights &skin, const Vec3 &x) {
     Blend blend;
     const Index position = surface.surfacePosition[s];
-    if (skin.offsets[position] == skin.offsets[position + 1]) {
-        blend.map = motion.carrier;
-        return blend;
-    }
-    for (Index i = skin.offsets[position]; i < skin.offsets[position + 1]; ++i)
-        blend.map += motion.joints[skin.joints[i]] * skin.weights[i];
+    blend.map = blendedTransform(skin, position, motion.joints, motion.carrier);
+    if (!isSkinned(skin, position, motion.joints)) return blend;
     const Vec3 centre = transformPoint(blend.map, x);
     for (Index i = surface.weightGradientOffsets[s]; i < surface.weightGradientOffsets[s + 1]; ++i) {
         // The gradients of the weights sum to zero: taking Bx relative to the blended point keeps digits.
@@ -160,7 +157,7 @@ void applyDeformers(const MotionState &motion, DVec3 &x, DVec3 &f1, DVec3 &f2, D
         f2 = image.jacobian * f2;
         n = image.jacobian * n;
     }
-    x = DVec3(motion.renderFromDeformed * glm::dvec4(x, 1));
+    x = DVec3(motion.renderFromDeformed * DVec4(x, 1));
     const DMat3 linear(motion.renderFromDeformed);
     f1 = linear * f1;
     f2 = linear * f2;
@@ -176,9 +173,8 @@ void throwNotFinite(const std::string &name) {
 void evaluateGradient(const Surface &surface, const MotionState &motion, const SkinWeights &skin, GradientEstimator estimator,
                       const std::string &name, SurfaceGradient &out) {
     if (estimator != GradientEstimator::Analytic) {
-        std::vector<Vec3> positions;
-        evaluatePositions(motion, skin, positions);
-        fitGradient(surface, positions, motion.mirrored, name, out);
+        evaluatePositions(motion, skin, out.moved);
+        fitGradient(surface, out.moved, motion.mirrored, name, out);
         return;
     }
     const std::size_t count = surface.normals.size();
@@ -263,19 +259,12 @@ void fitGradient(const Surface &surface, std::span<const Vec3> renderPoints, boo
 }
 
 void evaluatePositions(const MotionState &motion, const SkinWeights &skin, std::vector<Vec3> &out) {
-    if (out.size() != motion.control.size()) out.resize(motion.control.size());
+    skinPositions(skin, motion.joints, motion.carrier, motion.control, out);
+    if (motion.deformers.empty()) return;
     parallelFor(out.size(), kGrain, [&](std::size_t v) {
-        Affine map{0};
-        const bool skinned = !motion.joints.empty() && !skin.empty() && skin.offsets[v] != skin.offsets[v + 1];
-        if (skinned)
-            for (Index i = skin.offsets[v]; i < skin.offsets[v + 1]; ++i) map += motion.joints[skin.joints[i]] * skin.weights[i];
-        else
-            map = motion.carrier;
-        out[v] = transformPoint(map, motion.control[v]);
-        if (motion.deformers.empty()) return;
         DVec3 x(out[v]);
         for (const Deformer &deformer : motion.deformers) x = deform(deformer, x).position;
-        out[v] = Vec3(DVec3(motion.renderFromDeformed * glm::dvec4(x, 1)));
+        out[v] = Vec3(DVec3(motion.renderFromDeformed * DVec4(x, 1)));
     });
 }
 
@@ -285,21 +274,18 @@ void spreadToVertices(const Surface &surface, const SurfaceGradient &gradient, S
     for (auto *array : {&out.normals, &out.ds, &out.dt})
         if (array->size() != count) array->resize(count);
     parallelFor(count, kGrain, [&](std::size_t v) {
-        const Index s = surface.vertexSurface[v];
-        const Vec4 &k = surface.frameCoefficients[v];
-        out.positions[v] = gradient.position[s];
-        out.normals[v] = gradient.normal[s];
-        out.ds[v] = gradient.f1[s] * k.x + gradient.f2[s] * k.y;
-        out.dt[v] = gradient.f1[s] * k.z + gradient.f2[s] * k.w;
+        const VertexGradient g = gradientAt(surface, gradient, v);
+        out.positions[v] = gradient.position[surface.vertexSurface[v]];
+        out.normals[v] = g.n;
+        out.ds[v] = g.ds;
+        out.dt[v] = g.dt;
     });
 }
 
 void setRestFrom(Surface &surface, const SurfaceGradient &gradient) {
     parallelFor(surface.vertexCount(), kGrain, [&](std::size_t v) {
-        const Index s = surface.vertexSurface[v];
         Vec4 &k = surface.frameCoefficients[v];
-        const Vec3 ds = gradient.f1[s] * k.x + gradient.f2[s] * k.y;
-        const Vec3 dt = gradient.f1[s] * k.z + gradient.f2[s] * k.w;
+        const auto [ds, dt, n] = gradientAt(surface, gradient, v);
         // A = [[a, b], [0, d]] in the frame with s along ds; [ds dt] A^-1 is orthonormal.
         const float a = glm::length(ds);
         if (!(a > 0)) return;

@@ -89,10 +89,9 @@ DMat4 objectFromWorld(const Object &object, double frame) {
 /// Rest frame of a render vertex in object space: the normal is a covector, the tangent a vector of rest space.
 void restFrame(const Surface &surface, const Mat3 &objectFromRest, Index source, Vec3 &normal, Vec3 &tangent) {
     const Index s = surface.vertexSurface[source];
-    const Vec4 &k = surface.frameCoefficients[source];
     const Frame frame = surface.frameAt(s);
     normal = glm::normalize(glm::transpose(surface.restFromObject) * frame.n);
-    tangent = glm::normalize(objectFromRest * (frame.s * k.x + frame.t * k.y));
+    tangent = glm::normalize(objectFromRest * tangentsFrom(surface.frameCoefficients[source], frame.s, frame.t).ds);
 }
 
 } // namespace

@@ -2,7 +2,6 @@
 
 #include "taut/formats/gltf_accessors.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 

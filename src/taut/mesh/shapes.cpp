@@ -37,8 +37,6 @@ template <class F> Mesh makePatch(int nu, int nv, bool closedU, bool closedV, co
     return mesh;
 }
 
-constexpr double kTwoPi = 6.283185307179586;
-
 } // namespace
 
 Mesh makeTorus(int around, int across, float bigRadius, float smallRadius) {

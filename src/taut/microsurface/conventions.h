@@ -107,7 +107,7 @@ inline ConventionValues toConvention(Convention convention, const EquivalentAlph
         out.rotation = static_cast<float>(rotation);
     };
     const double phi = static_cast<double>(alpha.phi);
-    const double turn = phi / 6.283185307179586;
+    const double turn = phi / kTwoPi;
     const double blenderTurn = turn < 0 ? turn + 0.5 : turn; // period 1/2: 0 <= rotation, as Blender's sockets show it
     switch (convention) {
     case Convention::Alpha: set(max, min, 0); break;
@@ -137,13 +137,13 @@ inline EquivalentAlpha fromConvention(Convention convention, const ConventionVal
         const double aspect = std::sqrt(1 - 0.9 * a);
         x = r * r / aspect;
         y = r * r * aspect;
-        phi *= 6.283185307179586;
+        phi *= kTwoPi;
         break;
     }
     case Convention::BlenderAnisotropic:
         x = a < 0 ? r * r / (1 + a) : r * r * (1 - a);
         y = a < 0 ? r * r * (1 + a) : r * r / (1 - a);
-        phi *= 6.283185307179586;
+        phi *= kTwoPi;
         break;
     case Convention::OpenPbr:
         x = r * r * std::sqrt(2 / (1 + (1 - a) * (1 - a)));
@@ -161,7 +161,7 @@ inline EquivalentAlpha fromConvention(Convention convention, const ConventionVal
         x = y + (1 - y) * a * a;
         break;
     }
-    constexpr double kHalfTurn = 3.141592653589793;
+    constexpr double kHalfTurn = kTwoPi / 2;
     if (x < y) phi += 0.5 * kHalfTurn;
     phi -= kHalfTurn * std::floor(phi / kHalfTurn); // [0, pi)
     if (phi > 0.5 * kHalfTurn) phi -= kHalfTurn;

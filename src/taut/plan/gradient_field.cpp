@@ -12,13 +12,6 @@ namespace {
 /// A stretch below this share of the greater one is a collapse.
 constexpr float kCollapsed = 1e-3F;
 
-PolarGradient polarAt(const ObjectSurface &object, std::size_t vertex) {
-    const Index s = object.surface.vertexSurface[vertex];
-    const Vec4 &k = object.surface.frameCoefficients[vertex];
-    const SurfaceGradient &g = object.gradient;
-    return polarGradient(g.f1[s] * k.x + g.f2[s] * k.y, g.f1[s] * k.z + g.f2[s] * k.w, g.normal[s]);
-}
-
 float distance(const SymmetricTensor &a, const SymmetricTensor &b) {
     const Vec3 d = a.diagonal - b.diagonal;
     const Vec3 o = a.offDiagonal - b.offDiagonal;
@@ -35,10 +28,7 @@ void GradientField::add(const ObjectSurface &object) {
     DVec3 offDiagonal(0);
     std::size_t collapsedNow = 0;
     for (std::size_t v = 0; v < count; ++v) {
-        const Index s = object.surface.vertexSurface[v];
-        const Vec4 &k = object.surface.frameCoefficients[v];
-        const Vec3 ds = object.gradient.f1[s] * k.x + object.gradient.f2[s] * k.y;
-        const Vec3 dt = object.gradient.f1[s] * k.z + object.gradient.f2[s] * k.w;
+        const auto [ds, dt, n] = gradientAt(object.surface, object.gradient, v);
         const float a = glm::length(ds);
         const float b = a > 0 ? glm::dot(ds, dt) / a : 0;
         const float d = a > 0 ? glm::length(glm::cross(ds, dt)) / a : glm::length(dt);
@@ -49,13 +39,12 @@ void GradientField::add(const ObjectSurface &object) {
         if (sigma.y < kCollapsed * sigma.x) ++collapsedNow;
         logStretch = std::fmax(logStretch, std::fabs(std::log(std::fmax(sigma.x, kLeastSingularValue))));
         logStretch = std::fmax(logStretch, std::fabs(std::log(std::fmax(sigma.y, kLeastSingularValue))));
-        tensors[v] = polarAt(object, v).stretch;
+        tensors[v] = polarAt(object.surface, object.gradient, v).stretch;
         least[v] = std::fmax(sigma.y, kLeastSingularValue);
         diagonal += DVec3(tensors[v].diagonal);
         offDiagonal += DVec3(tensors[v].offDiagonal);
         if (object.gradient.normalImage.empty()) continue;
-        const Vec3 &image = object.gradient.normalImage[s];
-        const Vec3 &n = object.gradient.normal[s];
+        const Vec3 &image = object.gradient.normalImage[object.surface.vertexSurface[v]];
         const float along = std::fabs(glm::dot(image, n));
         if (!(along > 1e-6F * glm::length(image))) continue;
         lean = std::fmax(lean, glm::length(image - n * glm::dot(image, n)) / along);

@@ -5,6 +5,8 @@
 #include "taut/plan/gradient_field.h"
 #include "taut/plan/light_coverage.h"
 #include "taut/plan/refinement_error.h"
+#include "taut/scene/check_scene.h"
+#include "taut/scene/ranges.h"
 
 #include <algorithm>
 
@@ -61,7 +63,7 @@ RestAlpha restAlpha(const Material &material) {
             upper *= upper;
             lower *= lower;
         }
-        return glm::clamp(Vec2(lower, upper), Vec2(1e-4F), Vec2(10.0F));
+        return glm::clamp(Vec2(lower, upper), Vec2(kLeastAlpha), Vec2(kMostAlpha));
     };
     const Vec2 x = range(material.alphaX);
     const Vec2 y = range(material.alphaY);
@@ -253,6 +255,7 @@ std::vector<int> spreadFrames(const std::vector<int> &frames) {
 } // namespace
 
 ScenePlan defaultPlan(const Scene &scene) {
+    check(scene);
     ScenePlan plan;
     for (const Object &object : scene.objects) {
         MeshPlan mesh;
@@ -320,7 +323,7 @@ ScenePlan makePlan(const Scene &scene, std::optional<float> asked) {
     std::optional<SceneLights> lights;
     const int middle = frames[frames.size() / 2];
     for (std::size_t m = 0; m < scene.materials.size(); ++m) {
-        const Vec2 alpha = glm::clamp(greatestAlpha[m], Vec2(1e-4F), Vec2(10.0F));
+        const Vec2 alpha = glm::clamp(greatestAlpha[m], Vec2(kLeastAlpha), Vec2(kMostAlpha));
         MultiscatterPlan &material = plan.materials[m];
         material = planMultiscatter(scene.materials[m], alpha, kMultiscatterShare * tolerance);
         if (!asked && material.model != Multiscatter::Off && material.question) {

@@ -29,8 +29,7 @@ void RefinementError::add(const ObjectSurface &object) {
     std::vector<SymmetricTensor> stretches(surface.normals.size());
     for (std::size_t v = 0; v < surface.vertexCount(); ++v) { // V is the same at all render vertices of a surface vertex
         const Index s = surface.vertexSurface[v];
-        const Vec4 &k = surface.frameCoefficients[v];
-        stretches[s] = polarGradient(g.f1[s] * k.x + g.f2[s] * k.y, g.f1[s] * k.z + g.f2[s] * k.w, g.normal[s]).stretch;
+        stretches[s] = polarAt(surface, g, v).stretch;
     }
     std::vector<Ring> rings(surface.normals.size());
     for (const Index3 &t : surface.triangles)

@@ -1,6 +1,7 @@
 #include "taut/render/image_file.h"
 
 #include "taut/base/error.h"
+#include "taut/base/srgb.h"
 
 #include <OpenImageIO/imageio.h>
 
@@ -58,11 +59,6 @@ class PartFile {
 
 } // namespace
 
-float srgbEncode(float linear) {
-    const float c = std::fmin(std::fmax(linear, 0.0F), 1.0F);
-    return c <= 0.0031308F ? 12.92F * c : 1.055F * std::pow(c, 1 / 2.4F) - 0.055F;
-}
-
 bool isImagePath(const std::string &path) {
     return extensionOf(path) == ".exr" || extensionOf(path) == ".png";
 }
@@ -95,8 +91,8 @@ void writeImage(const std::string &path, const Image &image, const Metadata &met
         bytes.reserve(pixels * 3);
         for (std::size_t p = 0; p < pixels; ++p)
             for (std::size_t c = 0; c < 3; ++c)
-                bytes.push_back(
-                    static_cast<unsigned char>(std::lround(255 * srgbEncode(image.values[p * static_cast<std::size_t>(channels) + c]))));
+                bytes.push_back(static_cast<unsigned char>(
+                    std::lround(255 * srgbFromLinear(image.values[p * static_cast<std::size_t>(channels) + c]))));
         written = output->write_image(OIIO::TypeDesc::UINT8, bytes.data());
     } else if (written) {
         written = output->write_image(OIIO::TypeDesc::FLOAT, image.values.data());

@@ -29,9 +29,6 @@ Image readImage(const std::string &path);
 /// True where writeImage knows the extension.
 bool isImagePath(const std::string &path);
 
-/// Linear to sRGB (IEC 61966-2-1), clamped to [0, 1].
-float srgbEncode(float linear);
-
 /// Writes `text` to `path` beside its name first. Throws RunError.
 void writeTextFile(const std::string &path, const std::string &text);
 

@@ -35,7 +35,7 @@ MemoryUse memoryUse(const RenderScene &scene) {
                               s.stencilPositions, s.stencilWeights, s.stencilPoints, s.slope, s.weightGradientOffsets,
                               s.weightGradientJoints, s.weightGradients);
         const SurfaceGradient &g = object.gradient;
-        use.motion += bytesOf(g.position, g.f1, g.f2, g.normal, g.points, g.normalImage, object.motion.control, object.cage, object.refined,
+        use.motion += bytesOf(g.position, g.f1, g.f2, g.normal, g.moved, g.points, g.normalImage, object.motion.control, object.cage, object.refined,
                               object.restTangents, object.metrics);
         use.motion += bytesOf(object.frame.positions, object.frame.normals, object.frame.ds, object.frame.dt);
         if (object.subdivision) {

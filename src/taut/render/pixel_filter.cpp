@@ -34,7 +34,7 @@ class BlackmanHarris {
   private:
     static constexpr int kSteps = 1024;
     static double window(double x) { // Harris 1978, minimum four-term window
-        const double w = 6.283185307179586 * x;
+        const double w = kTwoPi * x;
         return 0.35875 - 0.48829 * std::cos(w) + 0.14128 * std::cos(2 * w) - 0.01168 * std::cos(3 * w);
     }
     std::array<float, kSteps + 2> offset_{};

@@ -4,6 +4,7 @@
 #include "taut/base/stopwatch.h"
 #include "taut/deform/stored_gloss.h"
 #include "taut/render/place_lights.h"
+#include "taut/scene/check_scene.h"
 
 #include <algorithm>
 
@@ -68,6 +69,7 @@ RenderScene::RenderScene(Scene scene, ScenePlan plan, bool animated) : scene_(st
 
 void RenderScene::prepare(bool animated) {
     const Scene &scene = scene_;
+    check(scene);
     objects_ = std::vector<RenderObject>(scene.objects.size());
     changed_.assign(objects_.size(), 1);
     std::vector<DeformingMesh> deforming;

@@ -31,16 +31,6 @@ SymmetricTensor operator+(const SymmetricTensor &a, const SymmetricTensor &b) {
     return {a.diagonal + b.diagonal, a.offDiagonal + b.offDiagonal};
 }
 
-struct VertexGradient {
-    Vec3 ds, dt, n;
-};
-VertexGradient gradientAt(const RenderObject &object, std::size_t vertex) {
-    const Index s = object.surface.vertexSurface[vertex];
-    const Vec4 &k = object.surface.frameCoefficients[vertex];
-    const SurfaceGradient &g = object.gradient;
-    return {g.f1[s] * k.x + g.f2[s] * k.y, g.f1[s] * k.z + g.f2[s] * k.w, g.normal[s]};
-}
-
 /// From the gradient at the surface vertices to what hits read.
 void fillStep(RenderObject &object, SurfaceStep &out) {
     const MeshPlan &plan = object.plan;
@@ -70,7 +60,7 @@ void fillStep(RenderObject &object, SurfaceStep &out) {
             if (tensors) out.stretch[v] = polar.stretch;
             return;
         }
-        const VertexGradient g = gradientAt(object, v);
+        const VertexGradient g = gradientAt(object.surface, object.gradient, v);
         // As other renderers do: the tangent is the normalised image of t0, whatever the shear.
         if (!object.object->follow) {
             const float length = glm::length(g.ds);
@@ -121,7 +111,7 @@ void fillStep(RenderObject &object, SurfaceStep &out) {
         SymmetricTensor sum{Vec3(0), Vec3(0)};
         std::size_t samples = 0;
         for (std::size_t v = 0; v < count; v += stride, ++samples) {
-            const VertexGradient g = gradientAt(object, v);
+            const VertexGradient g = gradientAt(object.surface, object.gradient, v);
             sum = sum + polarGradient(g.ds, g.dt, g.n).stretch;
         }
         out.stretch.resize(1);
@@ -131,7 +121,7 @@ void fillStep(RenderObject &object, SurfaceStep &out) {
         parallelFor(out.stretch.size(), kGrain, [&](std::size_t i) {
             SymmetricTensor sum{Vec3(0), Vec3(0)};
             for (int k = 0; k < 3; ++k) {
-                const VertexGradient g = gradientAt(object, surface.triangles[i][k]);
+                const VertexGradient g = gradientAt(object.surface, object.gradient, surface.triangles[i][k]);
                 sum = sum + polarGradient(g.ds, g.dt, g.n).stretch;
             }
             out.stretch[i] = sum * (1.0F / 3);
@@ -233,7 +223,7 @@ void prepareRenderObject(const Object &object, const RenderSettings &render, con
     for (std::size_t v = 0; v < out.restTangents.size(); ++v) {
         const Frame frame = surface.frameAt(surface.vertexSurface[v]);
         const Vec4 &k = surface.frameCoefficients[v];
-        out.restTangents[v] = Vec4(frame.s * k.x + frame.t * k.y, k.x * k.w - k.y * k.z < 0 ? -1.0F : 1.0F);
+        out.restTangents[v] = Vec4(tangentsFrom(k, frame.s, frame.t).ds, k.x * k.w - k.y * k.z < 0 ? -1.0F : 1.0F);
     }
     out.surface.frameCoefficients.clear(); // the tangents are all that was wanted of these
     compact(out.surface, false);

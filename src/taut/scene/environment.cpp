@@ -9,7 +9,6 @@ namespace taut {
 
 namespace {
 
-constexpr double kTwoPi = 6.283185307179586;
 
 /// cos(theta) at the upper edge of row `row` of `height`.
 double cosAtRow(int row, int height) {

@@ -9,7 +9,6 @@ namespace {
 
 #define TAUT_INLINE [[gnu::always_inline]] inline
 
-constexpr double kTwoPi = 6.283185307179586;
 
 /// Which of so many equal shares of [0, 1) a number falls into.
 int shareOf(int count, float u) {

@@ -38,6 +38,10 @@ std::shared_ptr<const Mesh> meshFile(LoadContext &context, const std::string &pa
     return mesh;
 }
 
+void failOn(const Location &where, const std::optional<Mistake> &mistake) {
+    if (mistake) failInput(where, mistake->found, mistake->expected);
+}
+
 std::string uniqueName(std::set<std::string> &taken, const std::string &name) {
     std::string candidate = name;
     for (int i = 2; !taken.insert(candidate).second; ++i) candidate = name + "_" + std::to_string(i);

@@ -2,6 +2,7 @@
 /// What the parts of the scene loader share: the scene being built, and what has already been read. Internal to `scene/`.
 
 #include "taut/formats/gltf.h"
+#include "taut/scene/rules.h"
 #include "taut/scene/scene.h"
 #include "taut/scene/table_reader.h"
 
@@ -36,6 +37,9 @@ std::string resolvedPath(const LoadContext &context, const std::string &path);
 
 std::shared_ptr<const GltfFile> gltfFile(LoadContext &context, const std::string &path);
 std::shared_ptr<const Mesh> meshFile(LoadContext &context, const std::string &path);
+
+/// Throws where there is a mistake.
+void failOn(const Location &where, const std::optional<Mistake> &mistake);
 
 /// `name`, or name_2, name_3 ... where it is taken.
 std::string uniqueName(std::set<std::string> &taken, const std::string &name);

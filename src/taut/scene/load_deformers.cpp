@@ -4,8 +4,6 @@ namespace taut {
 
 namespace {
 
-constexpr Range kDegrees{-1e6, 1e6, false};
-
 /// plane = "xy": x is displaced by y.
 void readPlane(TableReader &table, DeformerKeys &keys) {
     const TomlValue *value = table.find("plane");
@@ -23,12 +21,11 @@ void readRange(TableReader &table, DeformerKeys &keys) {
     const auto &pair = toArray(*value, 2, "a pair [lower, upper]");
     keys.lower = toNumber(pair[0], kAnyNumber);
     keys.upper = toNumber(pair[1], kAnyNumber);
-    if (!(keys.lower < keys.upper))
-        failInput(value->where, "[" + formatNumber(keys.lower) + ", " + formatNumber(keys.upper) + "]", "lower below upper");
+    failOn(value->where, mistakeInRange(keys));
 }
 
 int toPointIndex(const TomlValue &value, int count) {
-    return static_cast<int>(toInteger(value, 0, count - 1));
+    return static_cast<int>(toInteger(value, {0, count - 1}));
 }
 
 /// [i, j, k, dx, dy, dz] or { at = [i, j, k], offset = [dx, dy, dz] or keyframes }.
@@ -53,11 +50,10 @@ void readOffset(const TomlValue &entry, DeformerKeys &keys) {
 void readLattice(TableReader &table, DeformerKeys &keys) {
     table.read("lower", keys.latticeLower, vec3In());
     table.read("upper", keys.latticeUpper, vec3In());
-    if (!glm::all(glm::lessThan(keys.latticeLower, keys.latticeUpper)))
-        failInput(table.where(), "a lattice box without volume", "lower below upper in x, y and z");
+    failOn(table.where(), mistakeInLatticeBox(keys));
     if (const TomlValue *points = table.find("points")) {
         const auto &counts = toArray(*points, 3, "three integers in [2, 16]");
-        for (std::size_t i = 0; i < 3; ++i) keys.latticePoints[i] = static_cast<int>(toInteger(counts[i], 2, 16));
+        for (std::size_t i = 0; i < 3; ++i) keys.latticePoints[i] = static_cast<int>(toInteger(counts[i], kLatticePoints));
     }
     const auto &n = keys.latticePoints;
     keys.latticeOffsets.assign(static_cast<std::size_t>(n[0]) * static_cast<std::size_t>(n[1]) * static_cast<std::size_t>(n[2]),
@@ -101,7 +97,7 @@ DeformerKeys loadDeformer(const TomlValue &entry) {
         table.read("towards", keys.axis2, toAxis);
         table.read("angle_deg", keys.amount, keyedNumberIn(kDegrees, radians(1)));
         readRange(table, keys);
-        if (keys.axis == keys.axis2) failInput(table.where(), "axis and towards alike", "two different axes");
+        failOn(table.where(), mistakeInBend(keys));
         break;
     case DeformerType::Twist:
         table.read("axis", keys.axis, toAxis);
@@ -110,7 +106,7 @@ DeformerKeys loadDeformer(const TomlValue &entry) {
         break;
     case DeformerType::Taper:
         table.read("axis", keys.axis, toAxis);
-        table.read("amount", keys.amount, keyedNumberIn({-1, 1e30, true}));
+        table.read("amount", keys.amount, keyedNumberIn(kTaper));
         readRange(table, keys);
         break;
     case DeformerType::Lattice: readLattice(table, keys); break;

@@ -121,7 +121,7 @@ Light toLight(const GltfLight &from, const DMat4 &worldFromNode) {
 Index toClip(const TomlValue &value, const GltfFile &file) {
     const std::vector<Clip> &clips = file.rig.clips;
     if (value.kind == TomlValue::Kind::Integer && !clips.empty())
-        return static_cast<Index>(toInteger(value, 0, static_cast<std::int64_t>(clips.size()) - 1));
+        return static_cast<Index>(toInteger(value, {0, static_cast<std::int64_t>(clips.size()) - 1}));
     if (toText(value) == "none") return kNone;
     std::vector<std::string_view> names{"none"};
     for (Index i = 0; i < clips.size(); ++i) {

@@ -6,7 +6,6 @@ namespace taut {
 
 namespace {
 
-constexpr Range kConeAngle{0, 90, false};
 constexpr std::string_view kMesh = "mesh"; ///< the type of [[light]] that is no Light: objects emit
 
 /// The words for a light's keys: here they read a table.

@@ -5,10 +5,6 @@ namespace taut {
 
 namespace {
 
-constexpr Range kAlpha{1e-4, 10, false};
-constexpr Range kIor{0.2, 10, false};
-constexpr Range kDegrees{-1e6, 1e6, false};
-
 bool isTexture(const TomlValue &value) {
     return value.kind == TomlValue::Kind::Table;
 }
@@ -43,7 +39,7 @@ TextureUse loadTexture(LoadContext &context, const TomlValue &value, ColorSpace 
 
 void loadAlpha(LoadContext &context, const TomlValue &value, Material &material) {
     if (value.kind == TomlValue::Kind::Array) {
-        const auto &pair = toArray(value, 2, "a number in [1e-4, 10], a pair of them, or a texture");
+        const auto &pair = toArray(value, 2, describe(kAlpha) + ", a pair of them, or a texture");
         material.alphaX = toFloatParam(context, pair[0], kAlpha);
         material.alphaY = toFloatParam(context, pair[1], kAlpha);
     } else {
@@ -65,19 +61,13 @@ void loadMetal(const TomlValue &value, Material &material) {
 }
 
 /// `material` has its type and masking already.
-Multiscatter toMultiscatter(const TomlValue &value, const Material &material) {
-    const auto mode = toChoice<Multiscatter>(value, {{"auto", Multiscatter::Auto},
-                                                     {"off", Multiscatter::Off},
-                                                     {"compensation", Multiscatter::Compensation},
-                                                     {"walk", Multiscatter::Walk}});
-    if (mode == Multiscatter::Off || mode == Multiscatter::Auto) return mode;
-    if (material.type != MaterialType::Conductor && material.type != MaterialType::Dielectric)
-        failInput(value.where, quoted(value.text) + ", which this version does not have yet for this type", "'off' or 'auto'");
-    if (material.type == MaterialType::Dielectric && mode == Multiscatter::Compensation)
-        failInput(value.where, "'compensation' for a dielectric", "'off', 'walk' or 'auto'");
-    if (material.masking == Masking::Separable)
-        failInput(value.where, quoted(value.text) + " with separable masking", "'off' or 'auto', or masking = 'correlated'");
-    return mode;
+Multiscatter toMultiscatter(const TomlValue &value, Material material) {
+    material.multiscatter = toChoice<Multiscatter>(value, {{"auto", Multiscatter::Auto},
+                                                           {"off", Multiscatter::Off},
+                                                           {"compensation", Multiscatter::Compensation},
+                                                           {"walk", Multiscatter::Walk}});
+    failOn(value.where, mistakeInMultiscatter(material));
+    return material.multiscatter;
 }
 
 /// Keys of the rough lobes: everything but diffuse.
@@ -86,7 +76,7 @@ void readMicrosurface(LoadContext &context, TableReader &table, Material &materi
     table.read("rotation_deg", material.rotation, [&](const TomlValue &v) { return toFloatParam(context, v, kDegrees, radians(1), 360); });
     table.read("masking", material.masking, oneOf<Masking>({{"correlated", Masking::Correlated}, {"separable", Masking::Separable}}));
     table.read("multiscatter", material.multiscatter, [&](const TomlValue &v) { return toMultiscatter(v, material); });
-    table.read("poisson", material.poisson, numberIn({-1, 0.5, false}));
+    table.read("poisson", material.poisson, numberIn(kPoisson));
 }
 
 void readMetallicRoughness(LoadContext &context, TableReader &table, Material &material) {

@@ -1,6 +1,7 @@
 /// [[mesh]] entries: single meshes, numbered sequences and glTF files.
 
 #include "taut/base/frame_set.h"
+#include "taut/deform/estimators.h"
 #include "taut/formats/point_cache.h"
 #include "taut/formats/point_files.h"
 #include "taut/formats/read_mesh.h"
@@ -80,43 +81,31 @@ std::vector<Index> slotMaterials(LoadContext &context, const Mesh &mesh, const s
     return materials;
 }
 
+/// The names of a table with "auto", which leaves the choice to the plan.
+template <class E, std::size_t N> Names<std::optional<E>> orAuto(const std::array<Named<E>, N> &table) {
+    Names<std::optional<E>> names{{"auto", std::nullopt}};
+    for (const auto &[value, name] : table) names.emplace_back(name, value);
+    return names;
+}
+
 /// The keys about how a mesh becomes a surface.
 void loadSurfaceModel(TableReader &table, Object &object) {
     if (const TomlValue *value = table.find("subdivision")) {
         object.planLevel = value->kind == TomlValue::Kind::String;
-        object.subdivision.level = object.planLevel ? toChoice<int>(*value, {{"auto", kUnplannedLevel}})
-                                                    : static_cast<int>(toInteger(*value, 0, kMaxSubdivisionLevel));
+        object.subdivision.level =
+            object.planLevel ? toChoice<int>(*value, {{"auto", kUnplannedLevel}}) : static_cast<int>(toInteger(*value, kSubdivisionLevel));
     }
     table.read("scheme", object.subdivision.scheme,
                oneOf<SubdivisionScheme>({{"catmull-clark", SubdivisionScheme::CatmullClark}, {"loop", SubdivisionScheme::Loop}}));
     table.read(
         "boundary", object.subdivision.boundary,
         oneOf<SubdivisionBoundary>({{"edge-and-corner", SubdivisionBoundary::EdgeAndCorner}, {"edge", SubdivisionBoundary::EdgeOnly}}));
-    table.read("crease_deg", object.subdivision.creaseAngle, numberIn({0, 180, false}, radians(1)));
+    table.read("crease_deg", object.subdivision.creaseAngle, numberIn(kCreaseAngle, radians(1)));
     table.read("lean", object.lean);
-    if (const TomlValue *value = table.find("gradient"))
-        object.gradient = toChoice<std::optional<GradientEstimator>>(*value, {{"auto", std::nullopt},
-                                                                              {"face", GradientEstimator::Face},
-                                                                              {"area", GradientEstimator::Area},
-                                                                              {"angle", GradientEstimator::Angle},
-                                                                              {"least-squares", GradientEstimator::LeastSquares},
-                                                                              {"limit", GradientEstimator::Limit},
-                                                                              {"analytic", GradientEstimator::Analytic}});
-    const bool subdivided = object.subdivision.level > 0;
-    if (object.gradient && (object.gradient == GradientEstimator::Limit) != subdivided &&
-        (object.gradient == GradientEstimator::Limit || object.gradient == GradientEstimator::Analytic))
-        failInput(table.find("gradient")->where, quoted(table.find("gradient")->text),
-                  subdivided ? "'limit' or one of the fits for a subdivided mesh" : "'analytic' or one of the fits without subdivision");
-    if (object.lean && (subdivided || object.gradient.value_or(GradientEstimator::Analytic) != GradientEstimator::Analytic))
-        failInput(table.find("lean")->where, "lean = true",
-                  "lean = false, or gradient = \"analytic\" without subdivision: the space above a surface is known to deformers alone");
-    if (const TomlValue *value = table.find("interpolation"))
-        object.interpolation = toChoice<std::optional<GradientInterpolation>>(*value, {{"auto", std::nullopt},
-                                                                                       {"stretch", GradientInterpolation::Stretch},
-                                                                                       {"ds-dt", GradientInterpolation::DsDt},
-                                                                                       {"cholesky", GradientInterpolation::Cholesky},
-                                                                                       {"log", GradientInterpolation::LogEuclidean},
-                                                                                       {"face", GradientInterpolation::Face}});
+    table.read("gradient", object.gradient, oneOf(orAuto(kEstimators)));
+    if (object.gradient) failOn(table.find("gradient")->where, mistakeInGradient(object));
+    if (object.lean) failOn(table.find("lean")->where, mistakeInLean(object));
+    table.read("interpolation", object.interpolation, oneOf(orAuto(kInterpolations)));
 }
 
 void addGltf(LoadContext &context, TableReader &table, const TomlValue &file, Object common) {
@@ -172,12 +161,10 @@ void addMesh(LoadContext &context, TableReader &table, const TomlValue &file, Ob
 Placement loadPlacement(TableReader &table, bool yUpByDefault) {
     Placement placement;
     table.read("translate", placement.translation, keyedVec3In());
-    table.read("rotate_deg", placement.rotation, keyedVec3In({-1e6, 1e6, false}, radians(1)));
+    table.read("rotate_deg", placement.rotation, keyedVec3In(kDegrees, radians(1)));
     if (const TomlValue *scale = table.find("scale")) {
         placement.scale = toKeyedTriple(*scale, kAnyNumber);
-        for (const auto &key : placement.scale.keys)
-            if (key.second.x == 0 || key.second.y == 0 || key.second.z == 0)
-                failInput(scale->where, "a scale of 0", "scales that are not 0");
+        failOn(scale->where, mistakeInScale(placement));
     }
     bool yUp = yUpByDefault;
     table.read("up", yUp, oneOf<bool>({{"z", false}, {"y", true}}));

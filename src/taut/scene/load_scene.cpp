@@ -2,6 +2,7 @@
 
 #include "taut/base/file_bytes.h"
 #include "taut/formats/read_mesh.h"
+#include "taut/scene/check_scene.h"
 #include "taut/scene/load_context.h"
 
 #include <algorithm>
@@ -66,6 +67,7 @@ Scene loadScene(const std::string &path, const std::vector<std::string> &overrid
     for (const Object &object : context.scene.objects)
         if (object.subdivision.level > 0 && !object.mesh->storedM.empty())
             context.warnings.add("mesh " + quoted(object.name) + ": its stored M is left out under subdivision");
+    check(context.scene);
     return std::move(context.scene);
 }
 

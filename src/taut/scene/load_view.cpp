@@ -7,30 +7,9 @@ namespace taut {
 
 namespace {
 
-constexpr Range kDegrees{-1e6, 1e6, false};
-constexpr Range kFieldOfView{0.01, 179, false};
-
 std::vector<int> toFrames(const TomlValue &value) {
-    if (value.kind == TomlValue::Kind::Integer) return {static_cast<int>(toInteger(value, -1'000'000'000, 1'000'000'000))};
+    if (value.kind == TomlValue::Kind::Integer) return {static_cast<int>(toInteger(value, kFrameNumber))};
     return parseFrameSet(toText(value), value.where);
-}
-
-/// Frames at which to look for a camera that can't see: its keys and the frames rendered.
-std::vector<double> framesToCheck(const Camera &camera, const std::vector<int> &rendered) {
-    std::vector<double> frames(rendered.begin(), rendered.end());
-    for (const Keyed<DVec3> *keyed : {&camera.position, &camera.lookAt, &camera.up})
-        for (const auto &key : keyed->keys) frames.push_back(key.first);
-    return frames;
-}
-
-void checkCamera(const Camera &camera, const std::vector<int> &rendered, const Location &where) {
-    for (const double frame : framesToCheck(camera, rendered)) {
-        const DVec3 view = camera.lookAt.at(frame) - camera.position.at(frame);
-        const DVec3 up = camera.up.at(frame);
-        if (!(glm::length(view) > 0)) failInput(where, "position equal to look_at at frame " + formatNumber(frame), "two points");
-        if (!(glm::length(glm::cross(view, up)) > 1e-9 * glm::length(view) * glm::length(up)))
-            failInput(where, "up along the view at frame " + formatNumber(frame), "an up to one side of it");
-    }
 }
 
 /// The camera node that [camera] names, else the first.
@@ -63,16 +42,16 @@ void setGltfCamera(Camera &camera, const GltfFile &file, RigMotion motion, Index
 void loadRender(const TomlValue &section, RenderSettings &render) {
     TableReader table(section, "[render]",
                       {"width", "height", "spp", "max_events", "frames", "fps", "seed", "fixed_seed", "filter", "shutter", "motion_steps"});
-    table.read("width", render.width, integerIn(1, 32768));
-    table.read("height", render.height, integerIn(1, 32768));
-    table.read("spp", render.spp, integerIn(1, 1 << 24));
-    table.read("max_events", render.maxEvents, integerIn(0, 4096));
+    table.read("width", render.width, integerIn(kImageSide));
+    table.read("height", render.height, integerIn(kImageSide));
+    table.read("spp", render.spp, integerIn(kSpp));
+    table.read("max_events", render.maxEvents, integerIn(kMaxEvents));
     table.read("frames", render.frames, toFrames);
-    table.read("fps", render.fps, numberIn({0, 1e6, true}));
-    table.read("seed", render.seed, integerIn(0, 0xffffffff));
+    table.read("fps", render.fps, numberIn(kFps));
+    table.read("seed", render.seed, integerIn(kSeed));
     table.read("fixed_seed", render.fixedSeed);
-    table.read("shutter", render.shutter, numberIn({0, 1000, false}));
-    table.read("motion_steps", render.motionSteps, integerIn(2, 128));
+    table.read("shutter", render.shutter, numberIn(kShutter));
+    table.read("motion_steps", render.motionSteps, integerIn(kMotionSteps));
     table.read("filter", render.boxFilter, oneOf<bool>({{"blackman-harris", false}, {"box", true}}));
 }
 
@@ -138,7 +117,7 @@ void loadCamera(LoadContext &context, const TomlValue *section, const std::strin
         table.read("position", camera.position, keyedVec3In());
         table.read("look_at", camera.lookAt, keyedVec3In());
         if (!aimed) frameCamera(context.scene, camera);
-        checkCamera(camera, context.scene.render.frames, table.where());
+        failOn(table.where(), mistakeInView(camera, context.scene.render.frames));
     }
     table.finish();
 }

@@ -2,13 +2,10 @@
 /// A material's parameters at a point, and its M there. In the header: it is what shading does at every hit.
 
 #include "taut/microsurface/transform.h"
+#include "taut/scene/ranges.h"
 #include "taut/scene/scene.h"
 
 namespace taut {
-
-/// Range of a rest alpha, whatever a texture says.
-inline constexpr float kLeastAlpha = 1e-4F;
-inline constexpr float kMostAlpha = 10.0F;
 
 inline float evaluate(const FloatParam &param, const Scene &scene, const Vec2 &uv) {
     return param.texture == kNone ? param.value : param.value * lookup(scene.textures[param.texture], uv)[param.channel];

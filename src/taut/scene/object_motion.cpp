@@ -14,10 +14,6 @@ namespace {
 /// Joint matrices of the rest pose whose linear parts differ by less than this (relative) are one placement.
 constexpr double kSamePlacement = 1e-4;
 
-Affine toAffine(const DMat4 &m) {
-    return Affine(Vec3(m[0]), Vec3(m[1]), Vec3(m[2]), Vec3(m[3]));
-}
-
 const Skin *skinOf(const Object &object) {
     if (!object.rig || object.mesh->skin.empty()) return nullptr;
     const Index skin = object.rig->rig->nodes[object.rig->node].skin;
@@ -70,8 +66,8 @@ std::span<const Vec3> pointsAt(const Object &object, double frame, double fps, O
         throw InputError("object " + quoted(object.name) + ": found " + std::to_string(points.size()) + " points at frame " +
                          formatNumber(frame) + ", expected " + std::to_string(object.mesh->positions.size()) + " as in its mesh");
     if (const auto bad = std::find_if_not(points.begin(), points.end(), [](const Vec3 &p) { return isFinite(p); }); bad != points.end())
-        throw InputError("object " + quoted(object.name) + ": found a point that is not finite at frame " + formatNumber(frame) + " (point " +
-                         std::to_string(bad - points.begin()) + "), expected finite coordinates");
+        throw InputError("object " + quoted(object.name) + ": found a point that is not finite at frame " + formatNumber(frame) +
+                         " (point " + std::to_string(bad - points.begin()) + "), expected finite coordinates");
     return points;
 }
 
@@ -92,8 +88,7 @@ Mat3 restFromObject(const Object &object) {
 }
 
 bool isRigid(const Object &object) {
-    if (object.points || !object.deformers.empty() || !object.rest.bind || !object.placement.scale.isConstant())
-        return false;
+    if (object.points || !object.deformers.empty() || !object.rest.bind || !object.placement.scale.isConstant()) return false;
     if (!object.rig) return true;
     if (skinOf(object) != nullptr || !object.mesh->morphs.empty()) return false;
     // A node is rigid where nothing above it scales over time.
@@ -141,7 +136,7 @@ void motionAtFrame(const Object &object, double frame, double fps, const DMat4 &
         }
         if (const Skin *skin = skinOf(object)) {
             const std::vector<DMat4> joints = jointMatrices(*skin, pose);
-            for (const DMat4 &joint : joints) state.joints.push_back(toAffine(target * joint));
+            for (const DMat4 &joint : joints) state.joints.push_back(affineOf(target * joint));
             orientation *= glm::determinant(DMat3(joints.front()));
             sceneFromObject = DMat4(1); // glTF: the node of a skinned mesh does not move it
         } else {
@@ -149,7 +144,7 @@ void motionAtFrame(const Object &object, double frame, double fps, const DMat4 &
             orientation *= glm::determinant(DMat3(sceneFromObject));
         }
     }
-    state.carrier = toAffine(target * sceneFromObject);
+    state.carrier = affineOf(target * sceneFromObject);
     state.mirrored = orientation < 0;
 }
 

@@ -21,9 +21,7 @@ void prepareObjectSurface(const Object &object, double fps, GradientEstimator es
     options.restFromObject = restFromObject(object);
     options.smooth = object.smooth;
     options.weld = object.rig.has_value();
-    options.fit = estimator == GradientEstimator::Angle          ? GradientFit::Angle
-                  : estimator == GradientEstimator::LeastSquares ? GradientFit::LeastSquares
-                                                                 : GradientFit::Area;
+    options.fit = fitOf(estimator);
     if (subdivisionLevel > 0) {
         SubdivisionOptions subdivision = object.subdivision;
         subdivision.level = subdivisionLevel;

@@ -29,7 +29,7 @@ DMat3 rotationOf(const DMat3 &m) {
 
 DMat4 compose(const DMat3 &linear, const DVec3 &origin) {
     DMat4 out(linear);
-    out[3] = glm::dvec4(origin, 1);
+    out[3] = DVec4(origin, 1);
     return out;
 }
 

@@ -34,25 +34,14 @@ template <class T, class Convert> Keyed<T> toKeyed(const TomlValue &value, const
 
 } // namespace
 
-std::string describe(const Range &range) {
-    const bool bounded = range.upper < kAnyNumber.upper;
-    if (bounded)
-        return std::string("a number in ") + (range.openLower ? "(" : "[") + formatNumber(range.lower) + ", " + formatNumber(range.upper) +
-               "]";
-    if (range.lower <= kAnyNumber.lower) return "a finite number";
-    return (range.openLower ? "a number above " : "a number of at least ") + formatNumber(range.lower);
-}
-
 double toNumber(const TomlValue &value, const Range &range) {
     if (!isNumber(value)) failInput(value.where, describe(value), describe(range));
-    const bool aboveLower = range.openLower ? value.number > range.lower : value.number >= range.lower;
-    if (!aboveLower || !(value.number <= range.upper)) failInput(value.where, describe(value), describe(range));
+    if (!range.contains(value.number)) failInput(value.where, describe(value), describe(range));
     return value.number;
 }
 
-std::int64_t toInteger(const TomlValue &value, std::int64_t lower, std::int64_t upper) {
-    if (value.kind != Kind::Integer || value.integer < lower || value.integer > upper)
-        failInput(value.where, describe(value), "an integer in [" + std::to_string(lower) + ", " + std::to_string(upper) + "]");
+std::int64_t toInteger(const TomlValue &value, const IntegerRange &range) {
+    if (value.kind != Kind::Integer || !range.contains(value.integer)) failInput(value.where, describe(value), describe(range));
     return value.integer;
 }
 

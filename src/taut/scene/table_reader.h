@@ -3,6 +3,7 @@
 /// one asked for is an error at the key's place, with the nearest valid one.
 
 #include "taut/deform/keyed.h"
+#include "taut/scene/ranges.h"
 #include "taut/scene/toml_value.h"
 
 #include <string>
@@ -12,22 +13,8 @@
 
 namespace taut {
 
-/// Numbers allowed. The bounds at both ends count as inside unless `openLower`.
-struct Range {
-    double lower = -1e30; ///< the widest range still fits a float
-    double upper = 1e30;
-    bool openLower = false;
-};
-inline constexpr Range kAnyNumber{};
-inline constexpr Range kPositive{0, 1e30, true};
-inline constexpr Range kNotNegative{0, 1e30, false};
-inline constexpr Range kUnitInterval{0, 1, false};
-
-/// "a number in [0, 1]", "a number above 0".
-std::string describe(const Range &range);
-
 double toNumber(const TomlValue &value, const Range &range);
-std::int64_t toInteger(const TomlValue &value, std::int64_t lower, std::int64_t upper);
+std::int64_t toInteger(const TomlValue &value, const IntegerRange &range);
 bool toBoolean(const TomlValue &value);
 const std::string &toText(const TomlValue &value);
 const std::vector<TomlValue> &toArray(const TomlValue &value, std::size_t count, std::string_view expected);
@@ -92,8 +79,8 @@ class TableReader {
 inline auto numberIn(Range range, double unit = 1) {
     return [=](const TomlValue &value) { return toNumber(value, range) * unit; };
 }
-inline auto integerIn(std::int64_t lower, std::int64_t upper) {
-    return [=](const TomlValue &value) { return toInteger(value, lower, upper); };
+inline auto integerIn(IntegerRange range) {
+    return [=](const TomlValue &value) { return toInteger(value, range); };
 }
 inline auto vec3In(Range range = kAnyNumber) {
     return [=](const TomlValue &value) { return toVec3(value, range); };

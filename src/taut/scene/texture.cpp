@@ -1,16 +1,14 @@
 #include "taut/scene/texture.h"
 
-#include "taut/base/parallel.h"
 #include "taut/base/file_bytes.h"
+#include "taut/base/parallel.h"
+#include "taut/base/srgb.h"
+#include "taut/scene/png_guard.h"
 
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cstdio>
 #include <cstring>
 #include <memory>
 
@@ -40,11 +38,6 @@ const char *pluginOf(std::string_view bytes) {
     for (const Format &format : kFormats)
         if (bytes.size() >= format.length && std::memcmp(bytes.data(), format.magic, format.length) == 0) return format.plugin;
     return nullptr;
-}
-
-/// IEC 61966-2-1, piecewise.
-float linearFromSrgb(float s) {
-    return s <= 0.04045F ? s / 12.92F : std::pow((s + 0.055F) / 1.055F, 2.4F);
 }
 
 [[noreturn]] void failDecoding(const Location &where, std::string reason) {
@@ -139,34 +132,13 @@ Vec4 texelAt(const Texture &texture, int x, int y) {
     return {t[0], t[1], t[2], texture.channels == 4 ? t[3] : 1.0F};
 }
 
-/// Sends standard error nowhere while it lives: libpng and libjpeg print their complaints there before they fail, and what is
-/// wrong with a file is said once, in one line, by us. Textures are read before any thread renders.
-class QuietStderr {
-  public:
-    QuietStderr() : saved_(dup(STDERR_FILENO)) {
-        const int nowhere = open("/dev/null", O_WRONLY);
-        if (saved_ >= 0 && nowhere >= 0) dup2(nowhere, STDERR_FILENO);
-        if (nowhere >= 0) close(nowhere);
-    }
-    ~QuietStderr() {
-        if (saved_ < 0) return;
-        std::fflush(stderr);
-        dup2(saved_, STDERR_FILENO);
-        close(saved_);
-    }
-    QuietStderr(const QuietStderr &) = delete;
-    QuietStderr &operator=(const QuietStderr &) = delete;
-
-  private:
-    int saved_;
-};
-
 Texture decodeFile(const std::string &name, std::string_view bytes, ColorSpace space) {
     const Location where{name, 0, 0, -1};
     const char *plugin = pluginOf(bytes);
     if (plugin == nullptr)
         failInput(where, bytes.empty() ? "an empty file" : "a file of another format", "a PNG, JPEG, OpenEXR, HDR or TIFF image");
-    const QuietStderr quiet;
+    if (std::string_view(plugin) == "png")
+        if (const std::string damage = damageOfPng(bytes); !damage.empty()) failDecoding(where, damage);
     try {
         OIIO::Filesystem::IOMemReader reader(bytes.data(), bytes.size());
         const auto input = OIIO::ImageInput::create(plugin);
