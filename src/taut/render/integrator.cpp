@@ -303,10 +303,8 @@ bool PathTracer::State::waits(int event, std::size_t i, int aovChannels) {
     const Index owner = scene.objectOfGeometry(hit.geometry);
     if (plainObjects[owner] == 0 || (event == 0 && aovChannels > 0)) return false;
     const RenderObject &object = scene.objects()[owner];
-    const std::vector<Index> &own = object.object->materials;
-    const Index slot = object.surface.triangleSlots.empty() ? 0 : object.surface.triangleSlots[hit.primitive];
-    const Index material = own[std::min<std::size_t>(slot, own.size() - 1)];
-    if (plainMaterials[material].kind == PlainKind::None) return false;
+    const Index material = materialOfTriangle(object, hit.primitive);
+    if (!plainMaterials[material].isPlain) return false;
     if (event == 0) paths[active[i]].alpha = 1;
     if (event >= settings.maxEvents) return true;
     waiting[material].push_back(static_cast<Index>(i));
@@ -330,22 +328,8 @@ void PathTracer::State::prefetch(std::size_t i) const {
 /// What lane `lane` needs of hit i.
 void PathTracer::State::gather(std::size_t lane, std::size_t i) {
     HitLanes &l = *lanes;
-    const Hit &hit = hits[i];
-    const RenderObject &object = scene.objects()[scene.objectOfGeometry(hit.geometry)];
-    const SurfaceStep &step = object.steps.front();
-    const Index3 t = object.surface.triangles[hit.primitive];
-    const Vec3 b(1 - hit.u - hit.v, hit.u, hit.v);
-    const Vec3 p0 = step.positions[t.x];
-    const Vec3 p1 = step.positions[t.y];
-    const Vec3 p2 = step.positions[t.z];
-    InterpolatedSurface p;
-    p.position = p0 * b.x + p1 * b.y + p2 * b.z;
-    p.e1 = p1 - p0;
-    p.e2 = p2 - p0;
-    p.normal = step.normals[t.x] * b.x + step.normals[t.y] * b.y + step.normals[t.z] * b.z;
-    p.tangent = step.tangents[t.x] * b.x + step.tangents[t.y] * b.y + step.tangents[t.z] * b.z;
-    p.corners = std::max(extentOf(p0), std::max(extentOf(p1), extentOf(p2)));
-    if (object.instanced) place(p, object.placements.front());
+    const HitCorners corners(scene.objects()[scene.objectOfGeometry(hits[i].geometry)], hits[i], 0);
+    const InterpolatedSurface p = corners.surface();
     l.position.set(lane, p.position);
     l.e1.set(lane, p.e1);
     l.e2.set(lane, p.e2);
@@ -353,22 +337,11 @@ void PathTracer::State::gather(std::size_t lane, std::size_t i) {
     l.tangent.set(lane, Vec3(p.tangent));
     l.tangentSense[lane] = p.tangent.w;
     l.corners[lane] = p.corners;
-    l.hand[lane] = object.mirrored ? -1.0F : 1.0F;
-    SymmetricTensor v;
-    if (step.stretch.size() == 1) {
-        v = step.stretch.front();
-    } else if (object.stretchOnFaces() && !step.stretch.empty()) {
-        v = step.stretch[hit.primitive];
-    } else if (!step.stretch.empty()) {
-        const SymmetricTensor &v0 = step.stretch[t.x];
-        const SymmetricTensor &v1 = step.stretch[t.y];
-        const SymmetricTensor &v2 = step.stretch[t.z];
-        v.diagonal = v0.diagonal * b.x + v1.diagonal * b.y + v2.diagonal * b.z;
-        v.offDiagonal = v0.offDiagonal * b.x + v1.offDiagonal * b.y + v2.offDiagonal * b.z;
-    }
+    const bool deforms = !corners.step().stretch.empty();
+    const SymmetricTensor v = deforms ? corners.stretch() : SymmetricTensor{};
     l.diagonal.set(lane, v.diagonal);
     l.offDiagonal.set(lane, v.offDiagonal);
-    l.deforms[lane] = step.stretch.empty() ? 0 : 1;
+    l.deforms[lane] = deforms ? 1 : 0;
     l.wo.set(lane, -rays[i].direction);
     const Path &path = paths[active[i]];
     l.throughput.set(lane, path.throughput);
@@ -387,10 +360,10 @@ void PathTracer::State::shadeAtOnce(int event, const PlainMaterial &material, st
     for (std::size_t k = 0; k < padded; ++k) gather(k, chunk[k < chunk.size() ? k : 0]);
     const EventNumbers numbers{dimensionOf(event, kScatterDirection), dimensionOf(event, kScatterLobe), dimensionOf(event, kLightPoint),
                                dimensionOf(event, kLightChoice), dimensionOf(event, kRoulette)};
-    view(l, material, numbers);
-    aim(l, scene.lights());
-    connect(l, material);
-    scatter(l, material);
+    lanes::view(l, material, numbers);
+    lanes::aim(l, scene.lights());
+    lanes::connect(l, material);
+    lanes::scatter(l, material);
     for (std::size_t k = 0; k < chunk.size(); ++k) {
         Path &path = paths[l.path[k]];
         if (l.connects[k] > 0) {
