@@ -2,6 +2,7 @@
 
 #include "taut/base/sobol.h"
 #include "taut/base/warp.h"
+#include "taut/render/film.h"
 
 namespace taut {
 

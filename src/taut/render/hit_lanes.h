@@ -6,7 +6,7 @@
 /// scattering; no textures, Poisson's ratio 0. A mesh is plain where it does not emit, lean or move while the shutter is open and V is
 /// interpolated as it is. All others go one by one (shading.h).
 ///
-/// The order of a batch: gather (integrator.cpp), view(), aim(), connect(), scatter().
+/// The order of a batch: gather (gather.cpp), view(), aim(), connect(), scatter().
 
 #include "taut/base/instructions.h"
 #include "taut/base/lanes.h"
