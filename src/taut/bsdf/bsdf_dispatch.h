@@ -7,6 +7,7 @@
 #include "taut/bsdf/diffuse.h"
 #include "taut/bsdf/metal.h"
 #include "taut/bsdf/metallic_roughness.h"
+#include "taut/bsdf/thin_glass.h"
 
 namespace taut {
 

@@ -33,7 +33,8 @@ enum BsdfKey : std::uint8_t {
     ROW(Dielectric,        .name = "dielectric", .keys = kIorKey, .manyFacets = true, .transmits = true, .refracts = true, .lanes = true)  \
     ROW(Diffuse,           .name = "diffuse", .microsurface = false, .lanes = true)                                                        \
     ROW(Coated,            .name = "coated", .keys = kIorKey)                                                                              \
-    ROW(MetallicRoughness, .name = "metallic_roughness", .keys = kIorKey | kMetallicKey)
+    ROW(MetallicRoughness, .name = "metallic_roughness", .keys = kIorKey | kMetallicKey)                                                   \
+    ROW(ThinGlass,         .name = "thin_glass", .keys = kIorKey, .transmits = true)
 // clang-format on
 
 #define TAUT_ENUMERATOR(TYPE, ...) TYPE,
