@@ -51,7 +51,7 @@ template <class F> double diffuseMean(const F &f, std::uint32_t samples = 4096) 
 
 Bsdf metal(const MicroTransform &m, Multiscatter multiscatter, const Vec3 &f0 = Vec3(1)) {
     Bsdf bsdf;
-    bsdf.type = BsdfType::SchlickConductor;
+    bsdf.type = BsdfType::Conductor;
     bsdf.micro = m;
     bsdf.f0 = f0;
     bsdf.multiscatter = multiscatter;

@@ -34,11 +34,10 @@ Scene scene(const Material &material) {
     return scene;
 }
 
-Material plain(MaterialType type, bool ior, float alphaX, float alphaY, float rotation) {
+Material plain(BsdfType type, float alphaX, float alphaY, float rotation) {
     Material m = ggxMaterial(alphaX, alphaY, rotation);
     m.type = type;
     m.color.value = Vec3(0.9F, 0.7F, 0.4F);
-    m.hasConductorIor = ior;
     m.conductorEta = Vec3(0.2F, 0.9F, 1.1F);
     m.conductorK = Vec3(3.9F, 2.5F, 2.2F);
     m.multiscatter = Multiscatter::Off;
@@ -52,17 +51,17 @@ TEST_CASE("Shading at once gives the picture of shading one by one", "[render][l
         const char *name;
         Material material;
     };
-    Material separable = plain(MaterialType::Conductor, false, 0.2F, 0.4F, 0.3F);
+    Material separable = plain(BsdfType::Conductor, 0.2F, 0.4F, 0.3F);
     separable.masking = Masking::Separable;
-    Material glass = plain(MaterialType::Dielectric, false, 0.01F, 0.01F, 0);
+    Material glass = plain(BsdfType::Dielectric, 0.01F, 0.01F, 0);
     glass.masking = Masking::Separable;
-    const Case cases[] = {{"diffuse", plain(MaterialType::Diffuse, false, 1, 1, 0)},
-                          {"Schlick, brushed and turned", plain(MaterialType::Conductor, false, 0.08F, 0.4F, 0.5F)},
-                          {"metal, isotropic", plain(MaterialType::Conductor, true, 0.2F, 0.2F, 0)},
-                          {"so rough and sheared that the cone is sampled", plain(MaterialType::Conductor, true, 1, 0.3F, 0.2F)},
-                          {"nearly a mirror", plain(MaterialType::Conductor, false, 1e-4F, 1e-4F, 0)},
+    const Case cases[] = {{"diffuse", plain(BsdfType::Diffuse, 1, 1, 0)},
+                          {"Schlick, brushed and turned", plain(BsdfType::Conductor, 0.08F, 0.4F, 0.5F)},
+                          {"metal, isotropic", plain(BsdfType::Metal, 0.2F, 0.2F, 0)},
+                          {"so rough and sheared that the cone is sampled", plain(BsdfType::Metal, 1, 0.3F, 0.2F)},
+                          {"nearly a mirror", plain(BsdfType::Conductor, 1e-4F, 1e-4F, 0)},
                           {"separable", separable},
-                          {"rough glass, sheared", plain(MaterialType::Dielectric, false, 0.1F, 0.4F, 0.3F)},
+                          {"rough glass, sheared", plain(BsdfType::Dielectric, 0.1F, 0.4F, 0.3F)},
                           {"clear glass, separable", glass}};
     for (const Case &c : cases)
         for (const bool animated : {false, true}) {
@@ -77,7 +76,7 @@ TEST_CASE("Shading at once gives the picture of shading one by one", "[render][l
 
 TEST_CASE("Singular values out of range are clamped at once as one by one", "[render][lanes]") {
     // Squeezed to a thousandth of a millionth: the distribution along y is wider than any range.
-    Scene s = scene(plain(MaterialType::Conductor, false, 0.3F, 0.5F, 0.7F));
+    Scene s = scene(plain(BsdfType::Conductor, 0.3F, 0.5F, 0.7F));
     DeformerKeys squeeze;
     squeeze.type = DeformerType::Stretch;
     squeeze.factor = Keyed<DVec3>(DVec3(1, 1e-9, 1));
@@ -86,12 +85,11 @@ TEST_CASE("Singular values out of range are clamped at once as one by one", "[re
 }
 
 TEST_CASE("Every set of instructions gives the same lanes", "[render][lanes][batch]") {
-    const auto kind = GENERATE(PlainKind::Conductor, PlainKind::Dielectric);
-    const MaterialType type = kind == PlainKind::Conductor ? MaterialType::Conductor : MaterialType::Dielectric;
-    const Scene s = scene(plain(type, true, 0.2F, 0.6F, 0.4F));
+    const auto type = GENERATE(BsdfType::Metal, BsdfType::Dielectric);
+    const Scene s = scene(plain(type, 0.2F, 0.6F, 0.4F));
     const std::vector<PreparedMaterial> prepared = prepareMaterials(s, defaultPlan(s));
     const PlainMaterial material = plainMaterial(prepared[0]);
-    REQUIRE(material.kind == kind);
+    REQUIRE(material.isPlain);
     const auto filled = [&](Instructions set) {
         auto lanes = std::make_unique<HitLanes>();
         lanes->count = 45;
@@ -105,7 +103,6 @@ TEST_CASE("Every set of instructions gives the same lanes", "[render][lanes][bat
             lanes->tangent.set(i, {1, x, 0});
             lanes->tangentSense[i] = i % 2 == 0 ? 1.0F : -1.0F;
             lanes->corners[i] = 3;
-            lanes->hand[i] = 1;
             lanes->diagonal.set(i, {1 + x, 1.2F, 1});
             lanes->offDiagonal.set(i, {0.4F * x, 0.1F, -0.2F});
             lanes->deforms[i] = i % 5 == 0 ? 0 : 1;
@@ -120,9 +117,9 @@ TEST_CASE("Every set of instructions gives the same lanes", "[render][lanes][bat
             lanes->lightPdf[i] = 0.7F;
             lanes->lightWeighted[i] = i % 3 == 0 ? 0.0F : 1.0F;
         }
-        view(*lanes, material, {1, 2, 3, 4, 5}, set);
-        connect(*lanes, material, set);
-        scatter(*lanes, material, set);
+        lanes::view(*lanes, material, {1, 2, 3, 4, 5}, set);
+        lanes::connect(*lanes, material, set);
+        lanes::scatter(*lanes, material, set);
         return lanes;
     };
     const auto expected = filled(Instructions::Sse2);
@@ -141,6 +138,6 @@ TEST_CASE("Every set of instructions gives the same lanes", "[render][lanes][bat
             if (expected->goesOn[i] > 0) CHECK(got->nextThroughput.at(i) == expected->nextThroughput.at(i));
             connected += expected->connects[i] > 0 ? 1 : 0;
         }
-        CHECK(connected > (kind == PlainKind::Dielectric ? 30 : 20)); // glass answers on both sides
+        CHECK(connected > (type == BsdfType::Dielectric ? 30 : 20)); // glass answers on both sides
     }
 }

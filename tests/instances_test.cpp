@@ -92,7 +92,7 @@ TEST_CASE("Large triangles close by do not shade themselves", "[render][rigid][p
     const double size = GENERATE(10.0, 1000.0, 30000.0);
     const bool animated = GENERATE(false, true);
     Scene scene = smallScene(makeObject(makeGrid(1, 1, static_cast<float>(size))), Material{});
-    scene.materials[0].type = MaterialType::Diffuse;
+    scene.materials[0].type = BsdfType::Diffuse;
     scene.materials[0].color.value = Vec3(0.5F);
     scene.lights.clear();
     scene.environment = constantEnvironment(Vec3(1));

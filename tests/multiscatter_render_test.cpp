@@ -50,7 +50,7 @@ TEST_CASE("White furnace of a sheared sphere, alpha (1, 0.2): walk and compensat
 
 TEST_CASE("White furnace of rough glass loses nothing with the walk", "[render][furnace]") {
     Material glass = skewed(Multiscatter::Walk);
-    glass.type = MaterialType::Dielectric;
+    glass.type = BsdfType::Dielectric;
     CHECK(furnace(glass, 256) == Approx(1).margin(0.01));
     glass.multiscatter = Multiscatter::Off;
     CHECK(furnace(glass, 64) < 0.9);

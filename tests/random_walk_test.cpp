@@ -6,7 +6,7 @@
 #include "taut/base/parallel.h"
 #include "taut/base/warp.h"
 #include "taut/bsdf/bsdf.h"
-#include "taut/bsdf/facets.h"
+#include "taut/bsdf/interfaces.h"
 #include "taut/microsurface/random_walk.h"
 
 #include <catch2/catch.hpp>
@@ -266,7 +266,7 @@ TEST_CASE("The closed single bounce is what the BSDF evaluates, both sides", "[w
             for (int i = 0; i < 50; ++i) {
                 const Vec3 wo = squareToCosineHemisphere({random.uniform(), random.uniform()});
                 const Vec3 wi = squareToSphere({random.uniform(), random.uniform()});
-                const float found = walk::evaluateSingle(m, wo, wi, DielectricFacets{eta}).x;
+                const float found = walk::evaluateSingle(m, wo, wi, DielectricInterface{eta}).x;
                 const float truth = ScatteringPoint(glass, wo).evaluate(wi).fCos.x * (wi.z < 0 ? eta * eta : 1);
                 CHECK(found == Approx(truth).epsilon(2e-3).margin(1e-6));
             }
@@ -308,15 +308,15 @@ TEST_CASE("Sampled walks and the mean of the stochastic evaluation are one distr
     };
     for (const MicroTransform &m : {microTransformFromAlpha(1, 1), microTransform(1, 1.3F, 0, 0.8F), microTransformFromAlpha(2, 0.7F, 1),
                                     microTransform(1.2F, 0.4F, 0, 0.9F, 0.4F, -0.3F)})
-        for (const double theta : {0.0, 65.0}) check(m, direction(theta, 30), SchlickFacets{Vec3(0.6F)}, 800);
+        for (const double theta : {0.0, 65.0}) check(m, direction(theta, 30), SchlickInterface{Vec3(0.6F)}, 800);
     // Refraction at a second facet has narrow peaks: many samples, and surfaces that blur them.
     for (const MicroTransform &m : {microTransformFromAlpha(2, 1.5F), microTransform(0.6F, 0.4F, 0, 0.5F, 0.2F, 0)})
-        for (const float eta : {1.5F, 1 / 1.4F}) check(m, direction(40, 30), DielectricFacets{eta}, 6000);
+        for (const float eta : {1.5F, 1 / 1.4F}) check(m, direction(40, 30), DielectricInterface{eta}, 6000);
     CHECK(least > test::sidak(0.01, tests));
 }
 
 TEST_CASE("Coloured facets: the evaluation integrates to the sampled energy", "[walk]") {
-    const ConductorFacets gold{Vec3(0.15557F, 0.42415F, 1.3831F), Vec3(3.6024F, 2.4721F, 1.9155F)};
+    const ConductorInterface gold{Vec3(0.15557F, 0.42415F, 1.3831F), Vec3(3.6024F, 2.4721F, 1.9155F)};
     for (const MicroTransform &m : randomTransforms(10)) {
         const Vec3 wo = direction(40, 110);
         Estimate sampled;
@@ -347,25 +347,26 @@ TEST_CASE("The stochastic evaluation is reciprocal in expectation", "[walk]") {
     const Vec3 b = direction(65, 140);
     for (const MicroTransform &m :
          {microTransformFromAlpha(1, 0.5F, 0.4F), microTransform(0.7F, 1, 0, 0.6F), microTransform(1, 0.5F, 0, 1.2F, 0.5F, 0.3F)}) {
-        const SchlickFacets metal{Vec3(0.7F)};
+        const SchlickInterface metal{Vec3(0.7F)};
         agree(mean(m, a, b, metal), static_cast<double>(a.z), mean(m, b, a, metal), static_cast<double>(b.z));
         const float eta = 1.5F;
-        const DielectricFacets glass{eta};
+        const DielectricInterface glass{eta};
         agree(mean(m, a, b, glass), static_cast<double>(a.z), mean(m, b, a, glass), static_cast<double>(b.z));
         // Across: energy per solid angle over the squared index of where it goes.
-        agree(mean(m, a, -b, glass), static_cast<double>(a.z) / static_cast<double>(eta * eta), mean(m, b, -a, DielectricFacets{1 / eta}),
-              static_cast<double>(b.z));
+        agree(mean(m, a, -b, glass), static_cast<double>(a.z) / static_cast<double>(eta * eta),
+              mean(m, b, -a, DielectricInterface{1 / eta}), static_cast<double>(b.z));
     }
 }
 
 TEST_CASE("Dielectric walk: what is reflected and what passes add up to all", "[walk][furnace]") {
     const auto transforms = randomTransforms(12);
     for (const float eta : {1.5F, 1 / 1.5F, 1.2F, 2.4F}) {
-        checkLeaving(transforms, 30, DielectricFacets{eta}, 20000);
-        checkLeaving(transforms, 80, DielectricFacets{eta}, 20000);
+        checkLeaving(transforms, 30, DielectricInterface{eta}, 20000);
+        checkLeaving(transforms, 80, DielectricInterface{eta}, 20000);
     }
     for (const float eta : {1.5F, 1 / 1.5F}) {
-        const Estimate e = integrateEvaluation(microTransformFromAlpha(1.5F, 1, 0.4F), direction(50, 20), DielectricFacets{eta}, 60000, 4);
+        const Estimate e =
+            integrateEvaluation(microTransformFromAlpha(1.5F, 1, 0.4F), direction(50, 20), DielectricInterface{eta}, 60000, 4);
         INFO(e.mean() << " +- " << std::sqrt(e.variance()));
         CHECK(e.off(1) < 4);
         CHECK(std::sqrt(e.variance()) < 0.03);
@@ -390,6 +391,6 @@ TEST_CASE("Walks are finite from alpha 1e-3 to 10, to grazing and beyond", "[wal
                 for (const double theta : {0.0, 45.0, 89.0, 89.99, 90.0, 100.0}) {
                     const MicroTransform m = microTransform(1 / alphaX, 0.5F / alphaX, 0, 1 / alphaY, lean, -lean);
                     check(m, direction(theta, 77), walk::UniformReflector{});
-                    check(m, direction(theta, 77), DielectricFacets{1.5F});
+                    check(m, direction(theta, 77), DielectricInterface{1.5F});
                 }
 }

@@ -193,7 +193,7 @@ TEST_CASE("The estimated albedo agrees with quadrature, weights are bounded by t
             const Vec3 wo = direction(theta, 25);
             const ReflectionSampler sampler(m, wo);
             Bsdf bsdf;
-            bsdf.type = BsdfType::SchlickConductor;
+            bsdf.type = BsdfType::Conductor;
             bsdf.f0 = Vec3(1);
             bsdf.micro = m;
             const ScatteringPoint point(bsdf, wo);

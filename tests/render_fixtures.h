@@ -19,7 +19,7 @@ inline Object makeObject(Mesh mesh, Index material = 0) {
 inline Material ggxMaterial(float alphaX, float alphaY, float rotation = 0) {
     Material material;
     material.name = "ggx";
-    material.type = MaterialType::Conductor;
+    material.type = BsdfType::Conductor;
     material.alphaX.value = alphaX;
     material.alphaY.value = alphaY;
     material.rotation.value = rotation;

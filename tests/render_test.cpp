@@ -354,7 +354,7 @@ TEST_CASE("A glowing plate close to the ground lights it as its form factor says
 
 TEST_CASE("Smooth glass in a furnace is invisible", "[render][furnace]") {
     Material glass;
-    glass.type = MaterialType::Dielectric;
+    glass.type = BsdfType::Dielectric;
     glass.alphaX.value = 1e-3F;
     glass.alphaY.value = 1e-3F;
     Scene scene = smallScene(makeObject(makeSphere(128, 64, 0.8F)), glass, 24);

@@ -17,7 +17,7 @@ TEST_CASE("a glTF file is a scene", "[scene][gltf]") {
     CHECK(body.rig->clip == 0);
     const Material &paint = scene.materials.at(body.materials.at(0));
     CHECK(paint.name == "paint");
-    CHECK(paint.type == MaterialType::MetallicRoughness);
+    CHECK(paint.type == BsdfType::MetallicRoughness);
     CHECK(paint.alphaIsRoughness);
     CHECK(paint.alphaX.value == 0.5F);
     CHECK(paint.metallic.value == 0.75F);
@@ -120,7 +120,7 @@ TEST_CASE("lights, emission and extensions of a glTF file", "[scene][gltf]") {
     warnings.lines.clear();
     const Scene glass = loadScene(writeTo(folder, "glass.gltf", b.gltf()), {}, warnings);
     const Material &clear = glass.materials.at(glass.objects.at(0).materials.at(0));
-    CHECK(clear.type == MaterialType::Dielectric);
+    CHECK(clear.type == BsdfType::Dielectric);
     CHECK(clear.color.texture == kNone);
     CHECK(std::any_of(warnings.lines.begin(), warnings.lines.end(),
                       [](const std::string &line) { return line.find("TEXCOORD_1") != std::string::npos; }));

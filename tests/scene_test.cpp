@@ -153,8 +153,7 @@ material = { Trim = "glass", Body = "car" }
     REQUIRE(scene.materials.size() == 3);
     const Material &brushed = scene.materials[0];
     CHECK(brushed.name == "brushed");
-    CHECK(brushed.type == MaterialType::Conductor);
-    CHECK(brushed.hasConductorIor);
+    CHECK(brushed.type == BsdfType::Metal);
     CHECK(brushed.conductorK.x > 7);
     CHECK(brushed.alphaX.value == 0.08F);
     CHECK(brushed.alphaY.value == 0.4F);
@@ -163,7 +162,7 @@ material = { Trim = "glass", Body = "car" }
     CHECK(brushed.poisson == 0.5F);
     CHECK(brushed.masking == Masking::Separable);
     CHECK(brushed.multiscatter == Multiscatter::Off);
-    CHECK(scene.materials[1].type == MaterialType::Dielectric);
+    CHECK(scene.materials[1].type == BsdfType::Dielectric);
     CHECK(scene.materials[1].ior == 1.33F);
     CHECK(scene.materials[1].alphaY.value == 0.01F);
     CHECK(scene.materials[1].multiscatter == Multiscatter::Auto);
@@ -212,7 +211,7 @@ TEST_CASE("an empty table takes the defaults of the structures", "[scene]") {
     CHECK(!scene.environment); // there is a light
     // What has no material is brushed steel.
     const Material &steel = scene.materials.at(scene.objects[0].materials.at(0));
-    CHECK(steel.type == MaterialType::Conductor);
+    CHECK(steel.type == BsdfType::Metal);
     CHECK(steel.conductorEta == std::find_if(metals().begin(), metals().end(), [](const Metal &m) { return m.name == "Fe"; })->eta);
     CHECK(steel.alphaX.value == 0.08F);
     CHECK(steel.alphaY.value == 0.3F);

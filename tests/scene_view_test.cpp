@@ -84,5 +84,5 @@ TEST_CASE("a bare mesh is a scene", "[scene]") {
     CHECK(scene.environment);
     CHECK(fillOfView(scene) < 1);
     CHECK(warnings.lines.empty());
-    CHECK(loadScene(folder + "/panel.obj", {}, warnings).materials.at(0).type == MaterialType::Conductor);
+    CHECK(loadScene(folder + "/panel.obj", {}, warnings).materials.at(0).type == BsdfType::Metal);
 }

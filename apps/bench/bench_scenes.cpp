@@ -19,7 +19,7 @@ Object objectOf(Mesh mesh, Index material) {
 Material brushed() {
     Material material;
     material.name = "brushed";
-    material.type = MaterialType::Conductor;
+    material.type = BsdfType::Conductor;
     material.alphaX.value = 0.08F;
     material.alphaY.value = 0.4F;
     material.masking = Masking::Separable;
@@ -31,7 +31,7 @@ Material brushed() {
 Material glass() {
     Material material = brushed();
     material.name = "glass";
-    material.type = MaterialType::Dielectric;
+    material.type = BsdfType::Dielectric;
     material.alphaX.value = material.alphaY.value = 0.01F;
     material.ior = 1.5F;
     return material;

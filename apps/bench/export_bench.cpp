@@ -6,10 +6,10 @@
 /// deleted as they are done. The .usda is given a hundredth of the vertices: it is text and holds every frame.
 
 #include "taut/base/stopwatch.h"
-#include "taut/formats/point_cache.h"
+#include "taut/export/gloss_export.h"
 #include "taut/export/usda_writer.h"
 #include "taut/export/write_gloss.h"
-#include "taut/export/gloss_export.h"
+#include "taut/formats/point_cache.h"
 
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -53,7 +53,7 @@ Scene gridScene(std::size_t vertices, int frames) {
     Scene scene;
     Material metal;
     metal.name = "metal";
-    metal.type = MaterialType::Conductor;
+    metal.type = BsdfType::Conductor;
     metal.alphaX.value = 0.1F;
     metal.alphaY.value = 0.4F;
     scene.materials.push_back(metal);

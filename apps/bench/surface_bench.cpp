@@ -118,7 +118,7 @@ Scene deformingTorus() {
     object.deformers = {twist, shear};
     scene.objects.push_back(std::move(object));
     scene.materials = {Material{}};
-    scene.materials[0].type = MaterialType::Conductor;
+    scene.materials[0].type = BsdfType::Conductor;
     scene.render.frames = {1, 100};
     return scene;
 }

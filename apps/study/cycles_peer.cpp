@@ -70,9 +70,10 @@ json meshJson(const RenderScene &ready, std::size_t index, const fs::path &folde
 json materialJson(const Material &material) {
     json out{{"name", material.name}, {"color", toJson(material.color.value)}};
     switch (material.type) {
-    case MaterialType::Conductor: out["type"] = "conductor"; break;
-    case MaterialType::Dielectric: out["type"] = "dielectric"; break;
-    case MaterialType::Diffuse: out["type"] = "diffuse"; break;
+    case BsdfType::Conductor:
+    case BsdfType::Metal:
+    case BsdfType::Dielectric:
+    case BsdfType::Diffuse: out["type"] = bsdfInfo(material.type).name; break;
     default: throw RunError("can't give the material '" + material.name + "' to Cycles");
     }
     out["alpha"] = {material.alphaX.value, material.alphaY.value};

@@ -111,7 +111,7 @@ Pixels FacetPatch::render(int samples, bool allBounces, std::uint32_t seed) cons
 
 Pixels renderMicrosurface(const MicroTransform &m, int samples, bool allBounces, std::uint32_t seed) {
     Bsdf bsdf;
-    bsdf.type = BsdfType::SchlickConductor;
+    bsdf.type = BsdfType::Conductor;
     bsdf.micro = m;
     bsdf.f0 = Vec3(1);
     bsdf.multiscatter = allBounces ? Multiscatter::Walk : Multiscatter::Off;

@@ -69,7 +69,7 @@ constexpr Treatment kTreatments[] = {{"off", Multiscatter::Off, false},
 
 Bsdf mirrorOf(const MicroTransform &m, Multiscatter multiscatter) {
     Bsdf bsdf;
-    bsdf.type = BsdfType::SchlickConductor;
+    bsdf.type = BsdfType::Conductor;
     bsdf.micro = m;
     bsdf.f0 = Vec3(1);
     bsdf.multiscatter = multiscatter;
@@ -182,7 +182,7 @@ std::vector<Errors> errorsOf(const MicroTransform &m, const IsotropicTable &tabl
 Multiscatter defaultTreatment(const MicroTransform &m) {
     const EquivalentAlpha alpha = equivalentAlpha(m);
     Material metal;
-    metal.type = MaterialType::Conductor;
+    metal.type = BsdfType::Conductor;
     metal.alphaX.value = alpha.max;
     metal.alphaY.value = alpha.min;
     metal.rotation.value = alpha.phi;

@@ -100,7 +100,7 @@ class BoundedCapNormals {
     BoundedCapNormals(const MicroTransform &m, const Vec3 &wo)
         : m_(m), wo_(wo), o_(glm::normalize(m.inverse(wo))), bound_(ggx::capBound(m, wo)) {
         const float length = ggx::stretchedLength(m, wo);
-        area_ = bound_ < 1 ? bound_ * wo.z + length : ggx::visibleArea(m, wo, length);
+        area_ = ggx::capArea(bound_, wo.z, length, ggx::visibleArea(m, wo, length));
     }
 
     [[nodiscard]] Vec3 sample(const Vec2 &u) const { return ggx::sampleVisibleNormal(m_, wo_, u, bound_); }

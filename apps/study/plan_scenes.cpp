@@ -74,11 +74,11 @@ std::vector<PlanScene> planScenes(int size) {
     add("very rough torus", torus(), {stretchTo({1.5, 1, 0.8})}, brushedMetal(0.9F, 0.9F));
     add("smooth twisted torus", torus(), {deformer(DeformerType::Twist, 0.7, 2, 0)}, brushedMetal(0.02F, 0.04F));
     Material glass;
-    glass.type = MaterialType::Dielectric;
+    glass.type = BsdfType::Dielectric;
     glass.alphaX.value = glass.alphaY.value = 0.3F;
     add("glass ball", ball(), {stretchTo({1, 1, 0.7})}, glass);
     Material coated;
-    coated.type = MaterialType::Coated;
+    coated.type = BsdfType::Coated;
     coated.color.value = Vec3(0.6F, 0.2F, 0.1F);
     coated.alphaX.value = coated.alphaY.value = 0.1F;
     add("coated bent plate", plate(), {deformer(DeformerType::Bend, 0.5, 0, 2)}, coated);

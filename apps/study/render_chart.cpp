@@ -138,7 +138,7 @@ std::string conditionsOf(const Scene &scene, int reference) {
 /// A plan with what the materials themselves say in it.
 ScenePlan resolved(const Scene &scene, ScenePlan plan) {
     for (std::size_t i = 0; i < scene.materials.size(); ++i)
-        if (scene.materials[i].multiscatter != Multiscatter::Auto) plan.materials[i].model = scene.materials[i].multiscatter;
+        plan.materials[i].model = multiscatterOf(scene.materials[i], plan.materials[i].model);
     return plan;
 }
 

@@ -93,7 +93,7 @@ Object objectOf(Mesh mesh) {
 Material brushedMetal(float alphaX, float alphaY) {
     Material material;
     material.name = "metal";
-    material.type = MaterialType::Conductor;
+    material.type = BsdfType::Conductor;
     material.alphaX.value = alphaX;
     material.alphaY.value = alphaY;
     return material;

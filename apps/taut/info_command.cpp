@@ -191,11 +191,8 @@ nlohmann::json describe(const InfoArguments &arguments, const Scene &scene, cons
                           {"objects", nlohmann::json::array()}};
     for (std::size_t i = 0; i < scene.materials.size(); ++i) {
         const Material &material = scene.materials[i];
-        const Multiscatter own = material.multiscatter;
-        const bool single = material.masking == Masking::Separable ||
-                            (material.type != MaterialType::Conductor && material.type != MaterialType::Dielectric);
         result["materials"].push_back({{"name", material.name},
-                                       {"multiscatter", single ? "off" : nameOf(own == Multiscatter::Auto ? plan.materials[i].model : own)},
+                                       {"multiscatter", nameOf(multiscatterOf(material, plan.materials[i].model))},
                                        {"predicted_error", plan.materials[i].error},
                                        {"question", plan.materials[i].question ? toJson(*plan.materials[i].question) : nlohmann::json()}});
     }

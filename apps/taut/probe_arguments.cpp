@@ -70,7 +70,7 @@ Bsdf bsdfOf(const ProbeArguments &arguments) {
     if (std::find(kModes.begin(), kModes.end(), arguments.mode) == kModes.end()) failUnknownName({"--mode"}, arguments.mode, kModes);
     if (!(arguments.f0 >= 0 && arguments.f0 <= 1)) failInput({"--f0"}, fmt::format("{}", arguments.f0), "a number in [0, 1]");
     Bsdf bsdf;
-    bsdf.type = BsdfType::SchlickConductor;
+    bsdf.type = BsdfType::Conductor;
     bsdf.f0 = Vec3(static_cast<float>(arguments.f0));
     bsdf.micro = microsurfaceOf(arguments);
     bsdf.correlated = arguments.mode != "separable";

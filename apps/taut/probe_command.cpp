@@ -3,10 +3,10 @@
 #include "commands.h"
 #include "probe_arguments.h"
 
+#include "study/micro_geometry.h"
 #include "taut/base/parallel.h"
 #include "taut/base/sobol.h"
 #include "taut/bsdf/bsdf.h"
-#include "study/micro_geometry.h"
 #include "taut/render/image_file.h"
 
 #include <fmt/format.h>
@@ -91,7 +91,7 @@ int albedo(const ProbeArguments &arguments) {
             const Vec2 u = sobol2(i, seed);
             if (walks) {
                 walk::Random random(hash(i, seed) ^ (std::uint64_t{seed} << 32U));
-                const walk::Exit exit = walk::sample(bsdf.micro, wo, SchlickFacets{bsdf.f0}, u, random);
+                const walk::Exit exit = walk::sample(bsdf.micro, wo, SchlickInterface{bsdf.f0}, u, random);
                 energy[part] += static_cast<double>(exit.throughput.x);
                 bounces[part] += exit.bounces;
             } else if (const auto s = point.sample(u, sobol1(i, hash(seed, 1)))) {
@@ -149,7 +149,7 @@ int pdf(const ProbeArguments &arguments) {
         });
         const Estimate e = wi.z > 0 ? estimate(f) : Estimate{};
         const float used = point.evaluate(wi).pdf;
-        const float single = wi.z > 0 ? walk::evaluateSingle(m, wo, wi, SchlickFacets{bsdf.f0}).x / wi.z : 0.0F;
+        const float single = wi.z > 0 ? walk::evaluateSingle(m, wo, wi, SchlickInterface{bsdf.f0}).x / wi.z : 0.0F;
         result["f"] = e.mean;
         result["standard_error"] = e.error;
         result["f_single"] = digits(single);

@@ -20,8 +20,8 @@ GlossMaterial toGlossMaterial(const Material &from) {
     out.name = from.name;
     out.color = from.color.value;
     out.ior = from.ior;
-    out.metal = from.type == MaterialType::Conductor || (from.type == MaterialType::MetallicRoughness && from.metallic.value > 0.5F);
-    if (from.type == MaterialType::Conductor && from.hasConductorIor)
+    out.metal = bsdfInfo(from.type).compensates() || (bsdfInfo(from.type).reads(kMetallicKey) && from.metallic.value > 0.5F);
+    if (from.type == BsdfType::Metal)
         for (int c = 0; c < 3; ++c) { // reflectance at normal incidence
             const float k2 = sqr(from.conductorK[c]);
             out.color[c] = (sqr(from.conductorEta[c] - 1) + k2) / (sqr(from.conductorEta[c] + 1) + k2);
@@ -31,17 +31,15 @@ GlossMaterial toGlossMaterial(const Material &from) {
 
 /// Vertices for each pair of render vertex and material, and triangles on them.
 void makeVertices(const Scene &scene, GlossObject &out) {
-    const Object &object = *out.surface.object;
     const Surface &surface = out.surface.surface;
     GlossMesh &mesh = out.mesh;
     std::map<Index, Index> localMaterial;                     // scene material -> mesh.materials
     std::map<std::pair<Index, Index>, Index> furtherVertices; // (render vertex, material) -> vertex
     std::vector<Index> firstVertex(surface.vertexCount(), kNone);
     for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
-        const Index slot = surface.triangleSlots.empty() ? 0 : surface.triangleSlots[t];
-        const Index material = object.materials[std::min<std::size_t>(slot, object.materials.size() - 1)];
+        const Index material = materialOfTriangle(out.surface, static_cast<Index>(t));
         const auto [local, isNew] = localMaterial.try_emplace(material, static_cast<Index>(mesh.materials.size()));
-        if (isNew) mesh.materials.push_back(toGlossMaterial(scene.materials[material]));
+        if (isNew) mesh.materials.push_back(toGlossMaterial(scene.materialAt(material)));
         Index3 triangle;
         for (int k = 0; k < 3; ++k) {
             const Index source = surface.triangles[t][k];
@@ -134,7 +132,7 @@ void glossAtFrame(const Scene &scene, double frame, const GlossOptions &options,
         const auto [vss, vst, vtt] =
             std::array{glm::dot(s, polar.stretch.times(s)), glm::dot(t, polar.stretch.times(s)), glm::dot(t, polar.stretch.times(t))};
         const Vec2 turned = object.follow ? Vec2(glm::dot(s, Vec3(polar.tangent)), glm::dot(t, Vec3(polar.tangent))) : Vec2(1, 0);
-        const Material &material = scene.materials[out.materials[v]];
+        const Material &material = scene.materialAt(out.materials[v]);
         Vec3 stretch = follows ? Vec3(vss, vst, vtt) : Vec3(1, 0, 1);
         Vec2 column(0);
         if (leans) {
@@ -173,7 +171,7 @@ void glossAtFrame(const Scene &scene, double frame, const GlossOptions &options,
         if (options.convention != nullptr) {
             const ConventionValues values = toConvention(options.convention->convention, alpha);
             mesh.conventionValues[v] = {values.roughness, values.anisotropy, values.rotation};
-            if (values.clipped && scene.materials[out.materials[v]].type != MaterialType::Diffuse)
+            if (values.clipped && bsdfInfo(scene.materialAt(out.materials[v]).type).microsurface)
                 clipped.fetch_add(1, std::memory_order_relaxed);
         }
     });

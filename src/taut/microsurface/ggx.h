@@ -51,6 +51,11 @@ template <class T> inline T visibleArea(const BasicMicroTransform<T> &m, const V
     return (std.x * std.x + std.y * std.y) / (length - wo.z);
 }
 
+/// The area that micro-normals of a cap cut at k (capBound) show to the view: all that is visible where k = 1.
+template <class T> inline T capArea(T k, T woZ, T length, T area) {
+    return k < 1 ? k * woZ + length : area;
+}
+
 /// Smith masking G1(w) = 2 |w.z| / (w.z + L(w)); for w.z < 0 the normalisation of Tokuyoshi 2021.
 template <class T> inline T masking(const BasicMicroTransform<T> &m, const Vector3<T> &w) {
     return 2 * std::fabs(w.z) / visibleArea(m, w, stretchedLength(m, w));
@@ -165,7 +170,7 @@ template <class T> inline ReflectionSample<T> sampleReflection(const BasicMicroT
     const T hh = glm::dot(h, h);
     const Vector3<T> wi = (2 * glm::dot(wo, h) / hh) * h - wo;
     const T length = stretchedLength(m, wo);
-    const T base = k < 1 ? k * wo.z + length : visibleArea(m, wo, length);
+    const T base = capArea(k, wo.z, length, visibleArea(m, wo, length));
     const T ratio = hh / glm::dot(hStd, hStd); // M^T h = hStd: D needs no more
     const T pdf = m.det * (std::numbers::inv_pi_v<T> / 2) * ratio * ratio / base;
     return {wi, wi.z > 0 ? pdf : T(0)};

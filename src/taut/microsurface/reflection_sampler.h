@@ -165,7 +165,7 @@ class ReflectionSampler {
     void prepareCap() {
         capBound_ = ggx::reflectionBound(m_, wo_);
         const float length = ggx::stretchedLength(m_, wo_);
-        pdfScale_ = 0.5F / (capBound_ < 1 ? capBound_ * wo_.z + length : ggx::visibleArea(m_, wo_, length));
+        pdfScale_ = 0.5F / ggx::capArea(capBound_, wo_.z, length, ggx::visibleArea(m_, wo_, length));
     }
 
     /// Uniform in [0, 1), unrelated to where u lies: a finaliser of 32 bits (MurmurHash3) over both numbers' bits.

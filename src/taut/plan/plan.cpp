@@ -47,7 +47,7 @@ constexpr std::size_t kMostFaces = 4U << 20U;
 constexpr float kViewFactor = 2;
 
 bool hasMicrosurface(const Material &material) {
-    return material.type != MaterialType::Diffuse;
+    return bsdfInfo(material.type).microsurface;
 }
 
 /// A material's alphas before deformation; a texture multiplies its value by 0 to 1.
@@ -190,14 +190,13 @@ float lossAt(const Vec2 &alpha) {
 
 MultiscatterPlan planMultiscatter(const Material &material, const Vec2 &greatestAlpha, float budget) {
     MultiscatterPlan plan;
-    const bool chooses = (material.type == MaterialType::Conductor || material.type == MaterialType::Dielectric) &&
-                         material.multiscatter == Multiscatter::Auto && material.masking == Masking::Correlated;
-    if (!chooses) return plan;
+    const bool isOpen = material.multiscatter == Multiscatter::Auto && multiscatterOf(material, Multiscatter::Auto) == Multiscatter::Auto;
+    if (!isOpen) return plan;
     const float loss = lossAt(greatestAlpha);
     plan.negligibleLoss = 0.5F * budget / kGrazingLoss;
     Question q{"multiscatter", "ns a hit at equal noise", {{"off", kGrazingLoss * loss, 0}}, 0};
     const float walkCost = (kWalkCost + kWalkLossCost * loss) * (1 + kWalkVariance * loss);
-    if (material.type == MaterialType::Conductor && kCompensationCost < walkCost)
+    if (bsdfInfo(material.type).compensates() && kCompensationCost < walkCost)
         q.choices.push_back(
             {"compensation where M asks for it", kGrazingLoss * plan.negligibleLoss + kCompensationLobeError * loss, kCompensationCost});
     q.choices.push_back({"walk", 0, walkCost});

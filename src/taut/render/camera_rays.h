@@ -3,7 +3,8 @@
 
 #include "taut/base/instructions.h"
 #include "taut/base/lanes.h"
-#include "taut/render/integrator.h"
+#include "taut/render/render_scene.h"
+#include "taut/render/trace_settings.h"
 
 namespace taut {
 

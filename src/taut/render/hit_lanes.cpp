@@ -22,7 +22,6 @@ TAUT_INLINE void geometryLoop(HitLanes &l) {
         p.normal = l.normal.at(i);
         p.tangent = Vec4(l.tangent.at(i), l.tangentSense[i]);
         p.corners = l.corners[i];
-        p.hand = l.hand[i];
         const SurfaceGeometry g = surfaceGeometry(p, l.wo.at(i));
         l.geometricNormal.set(i, g.geometricNormal);
         l.s.set(i, g.s);
@@ -84,7 +83,7 @@ TAUT_INLINE void viewLoop(HitLanes &l, float bearableWaste, bool refracts) {
         l.length[i] = length;
         l.area[i] = area;
         l.capBound[i] = k;
-        l.pdfScale[i] = 0.5F / (k < 1 ? k * wo.z + length : area);
+        l.pdfScale[i] = 0.5F / ggx::capArea(k, wo.z, length, area);
         const bool cone = ReflectionSampler::prefersCone(m, wo, bearableWaste);
         l.cone[i] = cone && !refracts ? 1 : 0;
     }
@@ -110,45 +109,32 @@ TAUT_INLINE void numbersLoop(HitLanes &l, const EventNumbers &numbers) {
     for (int i = 0; i < count; ++i) l.roulette[i] = sobol1(l.sample[i], hash(l.seed[i], numbers.roulette));
 }
 
-/// Index beyond the surface over that on the viewer's side.
-TAUT_INLINE float relativeIndex(const HitLanes &l, std::size_t i, const PlainMaterial &m) {
-    return l.facing[i] > 0 ? m.ior : 1 / m.ior;
+/// Bsdf::eta from the lane's side.
+template <class Kind> TAUT_INLINE float relativeIndex(const HitLanes &l, std::size_t i, const Bsdf &bsdf) {
+    if constexpr (Kind::kInfo.refracts)
+        return l.facing[i] > 0 ? bsdf.eta : 1 / bsdf.eta;
+    else
+        return bsdf.eta;
 }
 
-/// fCos and density of the material for wi, local. Below the horizon of what only reflects the density is 0 and fCos means nothing:
-/// selecting it would put square roots behind a branch.
-template <PlainKind kKind, bool kCorrelated>
-TAUT_INLINE BsdfEval evaluateLane(const HitLanes &l, std::size_t i, const PlainMaterial &m, const Vec3 &wi) {
-    if constexpr (kKind == PlainKind::Diffuse) {
-        const float pdf = kInvPi * (wi.z > 0 ? wi.z : 0.0F);
-        return {m.color * pdf, pdf};
-    } else if constexpr (kKind == PlainKind::Dielectric) {
-        const LobeView view{l.length[i], l.area[i], l.pdfScale[i], kCorrelated};
-        const float eta = relativeIndex(l, i, m);
-        const Vec3 wo = l.woLocal.at(i);
-        float facet = 1;
-        const BsdfEval reflected = reflectionLobe(
-            l.micro(i), view, wo, wi, [&](float cosine) __attribute__((always_inline)) {
-                facet = fresnel::dielectric(cosine, eta);
-                return Vec3(facet);
-            });
-        const BsdfEval refracted = refractionLobe(l.micro(i), view, wo, wi, eta, m.color);
-        const bool above = wi.z > 0;
-        const float reflectedPdf = reflected.pdf * facet;
-        return {Vec3(above ? reflected.fCos.x : refracted.fCos.x, above ? reflected.fCos.y : refracted.fCos.y,
-                     above ? reflected.fCos.z : refracted.fCos.z),
-                above ? reflectedPdf : refracted.pdf};
+template <class Kind, bool kCorrelated> TAUT_INLINE LobeView lobeViewOf(const HitLanes &l, std::size_t i, const Bsdf &bsdf) {
+    return {l.length[i], l.area[i], l.pdfScale[i], kCorrelated, relativeIndex<Kind>(l, i, bsdf)};
+}
+
+/// fCos and density for wi, local. Where the density is 0, as below the horizon of what only reflects, fCos means nothing: selecting it
+/// would put square roots behind a branch.
+template <class Kind, bool kCorrelated>
+TAUT_INLINE BsdfEval evaluateLane(const HitLanes &l, std::size_t i, const Bsdf &bsdf, const Vec3 &wi) {
+    const LobeView view = lobeViewOf<Kind, kCorrelated>(l, i, bsdf);
+    const BsdfEval above = Kind::Class::above(bsdf, l.micro(i), view, l.woLocal.at(i), wi);
+    // By components: a copy of the whole would keep it in memory, and the loop scalar.
+    if constexpr (Kind::kInfo.transmits) {
+        const BsdfEval below = Kind::Class::below(bsdf, l.micro(i), view, l.woLocal.at(i), wi);
+        const bool up = wi.z > 0;
+        return {Vec3(up ? above.fCos.x : below.fCos.x, up ? above.fCos.y : below.fCos.y, up ? above.fCos.z : below.fCos.z),
+                up ? above.pdf : below.pdf};
     } else {
-        const LobeView view{l.length[i], l.area[i], l.pdfScale[i], kCorrelated};
-        const BsdfEval e = reflectionLobe(
-            l.micro(i), view, l.woLocal.at(i), wi, [&](float cosine) __attribute__((always_inline)) {
-                if constexpr (kKind == PlainKind::Schlick)
-                    return fresnel::schlick(cosine, m.color);
-                else
-                    return fresnel::conductor(cosine, m.eta, m.k);
-            });
-        // By components: a copy of the whole would keep it in memory, and the loop scalar.
-        return {Vec3(e.fCos.x, e.fCos.y, e.fCos.z), wi.z > 0 ? e.pdf : 0.0F};
+        return {Vec3(above.fCos.x, above.fCos.y, above.fCos.z), wi.z > 0 ? above.pdf : 0.0F};
     }
 }
 
@@ -157,71 +143,55 @@ TAUT_INLINE Vec3 toLocal(const HitLanes &l, std::size_t i, const Vec3 &w) {
 }
 
 /// How far along the geometric normal a ray starts that leaves to its `side`.
-template <PlainKind kKind> TAUT_INLINE float awayFrom(const HitLanes &l, std::size_t i, float side) {
-    if constexpr (kKind == PlainKind::Dielectric)
+template <class Kind> TAUT_INLINE float awayFrom(const HitLanes &l, std::size_t i, float side) {
+    if constexpr (Kind::kInfo.transmits)
         return side > 0 ? l.clearance[i] : -l.clearance[i];
     else
         return l.clearance[i];
 }
 
-template <PlainKind kKind, bool kCorrelated> TAUT_INLINE void connectLoop(HitLanes &l, const PlainMaterial &material) {
-    const PlainMaterial m = material; // no store can change this one
+template <class Kind, bool kCorrelated> TAUT_INLINE void connectLoop(HitLanes &l, const PlainMaterial &material) {
+    const Bsdf bsdf = material.bsdf; // no store can change this one
     const int count = l.padded();
 #pragma GCC ivdep
     for (int i = 0; i < count; ++i) {
         const Vec3 direction = l.lightDirection.at(i);
         const Vec3 wi = toLocal(l, i, direction);
         const float side = glm::dot(direction, l.geometricNormal.at(i));
-        const BsdfEval scattered = evaluateLane<kKind, kCorrelated>(l, i, m, wi);
+        const BsdfEval scattered = evaluateLane<Kind, kCorrelated>(l, i, bsdf, wi);
         const float lightPdf = l.lightPdf[i];
         const float mis = l.lightWeighted[i] != 0 ? powerHeuristic(lightPdf, scattered.pdf) : 1.0F;
         const Vec3 contribution = l.throughput.at(i) * scattered.fCos * l.lightRadiance.at(i) * (mis / lightPdf);
         l.contribution.set(i, contribution);
-        l.shadowOrigin.set(i, l.position.at(i) + l.geometricNormal.at(i) * awayFrom<kKind>(l, i, side));
+        l.shadowOrigin.set(i, l.position.at(i) + l.geometricNormal.at(i) * awayFrom<Kind>(l, i, side));
         // Nothing below the horizon of what only reflects; nor where shading and geometric normal disagree about the side: no light
         // leaks.
-        const float agreed = kKind == PlainKind::Dielectric ? side * wi.z : side;
+        const float agreed = Kind::kInfo.transmits ? side * wi.z : side;
         const float least = std::min(std::min(lightPdf, agreed), std::min(scattered.pdf, maxComponent(contribution)));
         l.connects[i] = least;
     }
 }
 
-template <PlainKind kKind> TAUT_INLINE void directionLoop(HitLanes &l, const PlainMaterial &material) {
-    const PlainMaterial m = material;
+template <class Kind> TAUT_INLINE void directionLoop(HitLanes &l, const PlainMaterial &material) {
+    const Bsdf bsdf = material.bsdf;
     const int count = l.padded();
 #pragma GCC ivdep
     for (int i = 0; i < count; ++i) {
         const Vec2 u(l.scatterU[i], l.scatterV[i]);
-        if constexpr (kKind == PlainKind::Diffuse) {
-            l.scatterLocal.set(i, squareToCosineHemisphere(u));
-        } else if constexpr (kKind == PlainKind::Dielectric) {
-            const float eta = relativeIndex(l, i, m);
-            const Vec3 wo = l.woLocal.at(i);
-            const Vec3 wm = ggx::spreadVisibleNormalBranchless(l.micro(i), wo, u);
-            const float cosine = glm::dot(wo, wm);
-            const bool reflects = l.coin[i] < fresnel::dielectric(cosine, eta);
-            const Vec3 reflected = glm::normalize(2 * cosine * wm - wo);
-            Vec3 refracted;
-            const bool through = facet::refract(wo, wm, cosine, eta, refracted);
-            const float beyond = through ? -refracted.z : -1.0F;
-            l.scatterLocal.set(
-                i, {reflects ? reflected.x : refracted.x, reflects ? reflected.y : refracted.y, reflects ? reflected.z : refracted.z});
-            l.usable[i] = std::min(cosine, reflects ? reflected.z : beyond);
-        } else {
-            const Vec3 wo = l.woLocal.at(i);
-            const Vec3 wm = ggx::spreadVisibleNormalBranchless(l.micro(i), wo, u, l.capBound[i]);
-            l.scatterLocal.set(i, (2 * glm::dot(wo, wm) / glm::dot(wm, wm)) * wm - wo);
-        }
+        const LobeView view = lobeViewOf<Kind, true>(l, i, bsdf);
+        const LaneSample sample = Kind::Class::sampleLane(bsdf, l.micro(i), view, l.capBound[i], l.woLocal.at(i), u, l.coin[i]);
+        l.scatterLocal.set(i, sample.wi);
+        if constexpr (Kind::kInfo.transmits) l.usable[i] = sample.usable;
     }
 }
 
-template <PlainKind kKind, bool kCorrelated> TAUT_INLINE void scatterLoop(HitLanes &l, const PlainMaterial &material) {
-    const PlainMaterial m = material;
+template <class Kind, bool kCorrelated> TAUT_INLINE void scatterLoop(HitLanes &l, const PlainMaterial &material) {
+    const Bsdf bsdf = material.bsdf;
     const int count = l.padded();
 #pragma GCC ivdep
     for (int i = 0; i < count; ++i) {
         const Vec3 wi = l.scatterLocal.at(i);
-        const BsdfEval e = evaluateLane<kKind, kCorrelated>(l, i, m, wi);
+        const BsdfEval e = evaluateLane<Kind, kCorrelated>(l, i, bsdf, wi);
         const bool sampled = e.pdf > 0;
         const Vec3 weight = e.fCos * (1 / (sampled ? e.pdf : 1.0F));
         const Vec3 world = l.s.at(i) * wi.x + l.t.at(i) * wi.y + l.n.at(i) * wi.z;
@@ -230,28 +200,27 @@ template <PlainKind kKind, bool kCorrelated> TAUT_INLINE void scatterLoop(HitLan
         Vec3 throughput = l.throughput.at(i) * weight;
         float etaScale = l.etaScale[i];
         float usable = side;
-        if constexpr (kKind == PlainKind::Dielectric) {
-            const float eta = relativeIndex(l, i, m);
+        if constexpr (Kind::kInfo.refracts) {
+            const float eta = relativeIndex<Kind>(l, i, bsdf);
             etaScale *= wi.z < 0 ? eta * eta : 1.0F;
-            usable = std::min(side * wi.z, l.usable[i]);
         }
+        if constexpr (Kind::kInfo.transmits) usable = std::min(side * wi.z, l.usable[i]);
         l.nextEtaScale[i] = etaScale;
         const float chance = chanceToGoOn(throughput, etaScale);
         throughput *= 1 / (chance > 0 ? chance : 1.0F);
         l.nextThroughput.set(i, throughput);
         l.nextDirection.set(i, direction);
-        l.nextOrigin.set(i, l.position.at(i) + l.geometricNormal.at(i) * awayFrom<kKind>(l, i, side));
+        l.nextOrigin.set(i, l.position.at(i) + l.geometricNormal.at(i) * awayFrom<Kind>(l, i, side));
         l.scatterPdf[i] = e.pdf;
         l.goesOn[i] = std::min(std::min(e.pdf, usable), chance - l.roulette[i]);
     }
 }
 
-/// Calls `loop` with the kind as a constant.
-template <class Loop> TAUT_INLINE void byKind(PlainKind kind, const Loop &loop) {
-    if (kind == PlainKind::Diffuse) return loop(std::integral_constant<PlainKind, PlainKind::Diffuse>());
-    if (kind == PlainKind::Schlick) return loop(std::integral_constant<PlainKind, PlainKind::Schlick>());
-    if (kind == PlainKind::Conductor) return loop(std::integral_constant<PlainKind, PlainKind::Conductor>());
-    loop(std::integral_constant<PlainKind, PlainKind::Dielectric>());
+/// Calls `loop` with the kind of a plain material.
+template <class Loop> TAUT_INLINE void byKind(const PlainMaterial &material, const Loop &loop) {
+    onBsdf(material.bsdf.type, [&](auto kind) {
+        if constexpr (decltype(kind)::kInfo.lanes) loop(kind);
+    });
 }
 
 #define TAUT_LOOPS(NAME, ...)                                                                                                              \
@@ -260,14 +229,14 @@ template <class Loop> TAUT_INLINE void byKind(PlainKind kind, const Loop &loop) 
         [[gnu::flatten __VA_ARGS__]] static void micro(HitLanes &l, const PlainMaterial &m) { microLoop(l, m); }                           \
         [[gnu::flatten __VA_ARGS__]] static void view(HitLanes &l, float waste, bool r) { viewLoop(l, waste, r); }                         \
         [[gnu::flatten __VA_ARGS__]] static void numbers(HitLanes &l, const EventNumbers &e) { numbersLoop(l, e); }                        \
-        template <PlainKind kKind>[[gnu::flatten __VA_ARGS__]] static void connect(HitLanes &l, const PlainMaterial &m) {                  \
-            m.correlated ? connectLoop<kKind, true>(l, m) : connectLoop<kKind, false>(l, m);                                               \
+        template <class Kind>[[gnu::flatten __VA_ARGS__]] static void connect(HitLanes &l, const PlainMaterial &m) {                       \
+            m.bsdf.correlated ? connectLoop<Kind, true>(l, m) : connectLoop<Kind, false>(l, m);                                            \
         }                                                                                                                                  \
-        template <PlainKind kKind>[[gnu::flatten __VA_ARGS__]] static void direction(HitLanes &l, const PlainMaterial &m) {                \
-            directionLoop<kKind>(l, m);                                                                                                    \
+        template <class Kind>[[gnu::flatten __VA_ARGS__]] static void direction(HitLanes &l, const PlainMaterial &m) {                     \
+            directionLoop<Kind>(l, m);                                                                                                     \
         }                                                                                                                                  \
-        template <PlainKind kKind>[[gnu::flatten __VA_ARGS__]] static void scatter(HitLanes &l, const PlainMaterial &m) {                  \
-            m.correlated ? scatterLoop<kKind, true>(l, m) : scatterLoop<kKind, false>(l, m);                                               \
+        template <class Kind>[[gnu::flatten __VA_ARGS__]] static void scatter(HitLanes &l, const PlainMaterial &m) {                       \
+            m.bsdf.correlated ? scatterLoop<Kind, true>(l, m) : scatterLoop<Kind, false>(l, m);                                            \
         }                                                                                                                                  \
     };
 TAUT_FOR_INSTRUCTION_SETS(TAUT_LOOPS)
@@ -277,32 +246,22 @@ TAUT_FOR_INSTRUCTION_SETS(TAUT_LOOPS)
 PlainMaterial plainMaterial(const PreparedMaterial &prepared) {
     PlainMaterial plain;
     const Material &m = *prepared.material;
-    if (m.color.texture != kNone || m.poisson != 0) return plain;
-    plain.color = m.color.value;
-    if (m.type == MaterialType::Diffuse) {
-        plain.kind = PlainKind::Diffuse;
-        return plain;
+    const BsdfInfo &info = bsdfInfo(m.type);
+    if (!info.lanes || m.color.texture != kNone || m.metallic.texture != kNone || m.poisson != 0) return plain;
+    plain.bsdf = bsdfOf(prepared, m.color.value, m.metallic.value, 1);
+    if (info.microsurface) {
+        const bool textured = m.alphaX.texture != kNone || m.alphaY.texture != kNone || m.rotation.texture != kNone ||
+                              m.anisotropyTexture != kNone || m.anisotropyStrength != 0;
+        if (textured || multiscatterOf(m, prepared.multiscatter.model) != Multiscatter::Off) return plain;
+        const RestRoughness rest = restRoughness(m, Scene{}, Vec2(0));
+        plain.alphaX = rest.alphaX;
+        plain.alphaY = rest.alphaY;
+        if (rest.rotation != 0) {
+            plain.cosine = std::cos(rest.rotation);
+            plain.sine = std::sin(rest.rotation);
+        }
     }
-    const bool textured = m.alphaX.texture != kNone || m.alphaY.texture != kNone || m.rotation.texture != kNone ||
-                          m.anisotropyTexture != kNone || m.anisotropyStrength != 0;
-    const bool single =
-        m.multiscatter == Multiscatter::Off ||
-        (m.multiscatter == Multiscatter::Auto && (m.masking != Masking::Correlated || prepared.multiscatter.model == Multiscatter::Off));
-    const bool facets = m.type == MaterialType::Conductor || m.type == MaterialType::Dielectric;
-    if (!facets || textured || !single) return plain;
-    const RestRoughness rest = restRoughness(m, Scene{}, Vec2(0));
-    plain.alphaX = rest.alphaX;
-    plain.alphaY = rest.alphaY;
-    if (rest.rotation != 0) {
-        plain.cosine = std::cos(rest.rotation);
-        plain.sine = std::sin(rest.rotation);
-    }
-    plain.bearableWaste = prepared.bearableWaste;
-    plain.correlated = m.masking == Masking::Correlated;
-    plain.kind = m.type == MaterialType::Dielectric ? PlainKind::Dielectric : m.hasConductorIor ? PlainKind::Conductor : PlainKind::Schlick;
-    plain.ior = m.ior;
-    plain.eta = m.conductorEta;
-    plain.k = m.conductorK;
+    plain.isPlain = true;
     return plain;
 }
 
@@ -313,24 +272,27 @@ bool isPlain(const RenderObject &object) {
            object.placements.size() <= 1 && stretchAsItIs;
 }
 
+namespace lanes {
+
 void view(HitLanes &lanes, const PlainMaterial &material, const EventNumbers &numbers, Instructions instructions) {
     onInstructions(instructions, [&](auto loops) {
         using Loops = decltype(loops);
         Loops::geometry(lanes);
         Loops::numbers(lanes, numbers);
-        if (material.kind == PlainKind::Diffuse) return;
+        const BsdfInfo &info = bsdfInfo(material.bsdf.type);
+        if (!info.microsurface) return;
         Loops::micro(lanes, material);
         for (int i = 0; i < lanes.padded(); ++i) {
             if (lanes.inRange[i] != 0) continue;
             const BasicBlock<double> block = blockOf(lanes, static_cast<std::size_t>(i), material);
             setMicro(lanes, static_cast<std::size_t>(i), microTransform(block.a, block.b, block.c, block.d));
         }
-        Loops::view(lanes, material.bearableWaste, material.kind == PlainKind::Dielectric);
+        Loops::view(lanes, material.bsdf.bearableWaste, info.refracts);
         lanes.cones.clear();
         for (int i = 0; i < lanes.count; ++i) {
             if (lanes.cone[i] == 0) continue;
             const auto at = static_cast<std::size_t>(i);
-            lanes.cones.emplace_back(lanes.micro(at), lanes.woLocal.at(at), material.bearableWaste);
+            lanes.cones.emplace_back(lanes.micro(at), lanes.woLocal.at(at), material.bsdf.bearableWaste);
             lanes.cone[i] = static_cast<int>(lanes.cones.size());
             lanes.pdfScale[i] = lanes.cones.back().pdfScale();
         }
@@ -372,23 +334,24 @@ void aim(HitLanes &l, const LightTable &lights) {
 
 void connect(HitLanes &lanes, const PlainMaterial &material, Instructions instructions) {
     onInstructions(instructions, [&](auto loops) {
-        byKind(material.kind, [&](auto kind) { decltype(loops)::template connect<kind()>(lanes, material); });
+        byKind(material, [&](auto kind) { decltype(loops)::template connect<decltype(kind)>(lanes, material); });
     });
 }
 
 void scatter(HitLanes &lanes, const PlainMaterial &material, Instructions instructions) {
     onInstructions(instructions, [&](auto loops) {
         using Loops = decltype(loops);
-        byKind(material.kind, [&](auto kind) { Loops::template direction<kind()>(lanes, material); });
-        if (material.kind != PlainKind::Diffuse)
+        byKind(material, [&](auto kind) { Loops::template direction<decltype(kind)>(lanes, material); });
+        if (bsdfInfo(material.bsdf.type).microsurface)
             for (int i = 0; i < lanes.count; ++i) {
                 if (lanes.cone[i] == 0) continue;
                 const ReflectionSampler &sampler = lanes.cones[static_cast<std::size_t>(lanes.cone[i] - 1)];
                 const auto wi = sampler.sample({lanes.scatterU[i], lanes.scatterV[i]}, lanes.coin[i]);
                 lanes.scatterLocal.set(static_cast<std::size_t>(i), wi.value_or(Vec3(0, 0, -1)));
             }
-        byKind(material.kind, [&](auto kind) { Loops::template scatter<kind()>(lanes, material); });
+        byKind(material, [&](auto kind) { Loops::template scatter<decltype(kind)>(lanes, material); });
     });
 }
 
+} // namespace lanes
 } // namespace taut

@@ -2,11 +2,11 @@
 /// Shading of many hits at once, structure of arrays: what hits on one plain material need, in loops that the compiler vectorises
 /// (base/instructions.h). The formulas are those of hits one by one, by the same functions, so the bits are the same.
 ///
-/// A material is plain where nothing but V and the frame changes from hit to hit: diffuse, or a conductor or dielectric with single
+/// A material is plain where nothing but V and the frame changes from hit to hit: a kind that lanes shade (bsdf_table.h) with single
 /// scattering; no textures, Poisson's ratio 0. A mesh is plain where it does not emit, lean or move while the shutter is open and V is
 /// interpolated as it is. All others go one by one (shading.h).
 ///
-/// The order of a batch: gather (integrator.cpp), view(), aim(), connect(), scatter().
+/// The order of a batch: gather (gather.cpp), view(), aim(), connect(), scatter().
 
 #include "taut/base/instructions.h"
 #include "taut/base/lanes.h"
@@ -28,7 +28,7 @@ struct alignas(64) HitLanes {
 
     // Gathered: the surface (surface_geometry.h) and the path.
     Vectors position, e1, e2, normal, tangent;
-    float tangentSense[kSize], corners[kSize], hand[kSize];
+    float tangentSense[kSize], corners[kSize];
     Vectors diagonal, offDiagonal; ///< V as SymmetricTensor
     int deforms[kSize];            ///< 0: V is the identity, whatever those hold
     Vectors wo;                    ///< render space
@@ -40,9 +40,9 @@ struct alignas(64) HitLanes {
     // view(): frame, M and the numbers of this event.
     Vectors geometricNormal, s, t, n, woLocal;
     float clearance[kSize];
-    float facing[kSize]; ///< 1: seen from the outside, else -1
-    Vectors stretch;     ///< in the frame: ss, st, tt
-    float tangentX[kSize], tangentY[kSize], sense[kSize];
+    float facing[kSize], sense[kSize];
+    Vectors stretch; ///< in the frame: ss, st, tt
+    float tangentX[kSize], tangentY[kSize];
     float a[kSize], b[kSize], d[kSize], inverseA[kSize], inverseD[kSize], det[kSize];
     int inRange[kSize]; ///< whether a, b, d are M's; else singular values are to be clamped
     float length[kSize], area[kSize], capBound[kSize], pdfScale[kSize];
@@ -62,7 +62,7 @@ struct alignas(64) HitLanes {
     // scatter(): the next ray; the path ends but where `goesOn` > 0.
     Vectors scatterLocal, nextOrigin, nextDirection, nextThroughput;
     float scatterPdf[kSize], nextEtaScale[kSize];
-    float usable[kSize]; ///< dielectrics: positive where the chosen lobe answers on its side
+    float usable[kSize]; ///< of what transmits: LaneSample
     float goesOn[kSize];
 
     /// Lanes that loops run over.
@@ -70,18 +70,12 @@ struct alignas(64) HitLanes {
     [[nodiscard]] MicroTransform micro(std::size_t i) const { return {a[i], b[i], d[i], 0, 0, inverseA[i], inverseD[i], det[i]}; }
 };
 
-enum class PlainKind : std::uint8_t { None, Diffuse, Schlick, Conductor, Dielectric };
-
 /// A plain material as loops take it.
 struct PlainMaterial {
-    PlainKind kind = PlainKind::None;
+    bool isPlain = false;
+    Bsdf bsdf; ///< seen from the outside; without an M
     float alphaX = 1, alphaY = 1;
     float cosine = 1, sine = 0; ///< of the rest rotation
-    bool correlated = true;
-    float bearableWaste = kBearableWaste; ///< Bsdf
-    Vec3 color{1};                        ///< albedo, F0 or tint
-    float ior = 1.5F;                     ///< dielectrics
-    Vec3 eta{1}, k{0};
 };
 PlainMaterial plainMaterial(const PreparedMaterial &prepared);
 /// Whether hits on a mesh may be shaded at once.
@@ -92,10 +86,13 @@ struct EventNumbers {
     std::uint32_t scatterDirection, scatterLobe, lightPoint, lightChoice, roulette;
 };
 
+namespace lanes {
+
 /// Fills what follows the gathered part, for event number `numbers`.
 void view(HitLanes &lanes, const PlainMaterial &material, const EventNumbers &numbers, Instructions instructions = widest());
 void aim(HitLanes &lanes, const LightTable &lights);
 void connect(HitLanes &lanes, const PlainMaterial &material, Instructions instructions = widest());
 void scatter(HitLanes &lanes, const PlainMaterial &material, Instructions instructions = widest());
 
+} // namespace lanes
 } // namespace taut

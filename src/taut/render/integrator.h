@@ -5,6 +5,7 @@
 
 #include "taut/render/film.h"
 #include "taut/render/shading.h"
+#include "taut/render/trace_settings.h"
 
 #include <atomic>
 #include <memory>
@@ -18,20 +19,6 @@ struct RayCounts {
     std::uint64_t notFinite = 0; ///< samples dropped because they were not finite; 0 unless something is wrong
     RayCounts &operator+=(const RayCounts &other);
     [[nodiscard]] std::uint64_t rays() const { return camera + scattered + shadow; }
-};
-
-/// Rays of a render in the order they were traced, for replay. Not thread safe: record with one thread.
-struct RayRecord {
-    std::vector<Ray> camera, scattered, shadow;
-};
-
-struct TraceSettings {
-    int width = 1, height = 1; ///< of the whole frame
-    int maxEvents = 8;
-    bool boxFilter = false;
-    std::uint32_t seed = 0; ///< of this frame
-    RayRecord *record = nullptr;
-    bool oneByOne = false; ///< shade no hits at once (hit_lanes.h): to measure, and to test that nothing changes
 };
 
 /// A film that others may read meanwhile, and a flag that others may set to stop.

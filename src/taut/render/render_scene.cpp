@@ -17,9 +17,7 @@ std::vector<float> poissonOfVertices(const Scene &scene, const ObjectSurface &ob
     const Surface &surface = object.surface;
     std::vector<float> out(surface.vertexCount(), 0.0F);
     for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
-        const Index slot = surface.triangleSlots.empty() ? 0 : surface.triangleSlots[t];
-        const std::vector<Index> &materials = object.object->materials;
-        const float poisson = scene.materials[materials[std::min<std::size_t>(slot, materials.size() - 1)]].poisson;
+        const float poisson = scene.materialAt(materialOfTriangle(object, static_cast<Index>(t))).poisson;
         for (int k = 0; k < 3; ++k) out[surface.triangles[t][k]] = poisson;
     }
     return out;

@@ -3,8 +3,8 @@
 
 #include "taut/base/frame.h"
 #include "taut/bsdf/bsdf.h"
+#include "taut/render/interpolation.h"
 #include "taut/render/render_scene.h"
-#include "taut/render/surface_geometry.h"
 
 namespace taut {
 
@@ -17,8 +17,8 @@ struct SurfacePoint {
                           ///< the surface is parametrised; n on the geometric normal's side
     Bsdf bsdf;
     Vec2 uv{0};
-    bool front = true; ///< seen from the outside
-    Vec3 emission{0};  ///< radiance leaving towards the viewer
+    float facing = 1; ///< SurfaceGeometry
+    Vec3 emission{0}; ///< radiance leaving towards the viewer
     // For AOVs.
     Vec3 stretch{1, 0, 1}; ///< V in the frame: ss, st, tt
     Vec2 lean{0};          ///< column 3 of M in the frame; zero unless the mesh leans
@@ -36,21 +36,16 @@ struct PreparedMaterial {
     MultiscatterPlan multiscatter;
     float bearableWaste = kBearableWaste; ///< the plan's
 };
+/// At least one, for objects without a material.
 std::vector<PreparedMaterial> prepareMaterials(const Scene &scene, const ScenePlan &plan);
+
+/// What a material scatters by where it has these values, seen from that side; M and the treatment of light of several facets are the
+/// caller's.
+Bsdf bsdfOf(const PreparedMaterial &prepared, const Vec3 &color, float metallic, float facing);
 
 /// Fills the point for a hit at a time in the shutter. `wo` is the unit direction back along the ray.
 SurfacePoint surfacePointAt(const RenderScene &scene, const std::vector<PreparedMaterial> &materials, const Hit &hit, const Vec3 &wo,
                             float time = 0);
-
-/// Takes a point of an instanced mesh from local to render space.
-inline void place(InterpolatedSurface &point, const Affine &renderFromLocal) {
-    point.position = transformPoint(renderFromLocal, point.position);
-    point.e1 = transformVector(renderFromLocal, point.e1);
-    point.e2 = transformVector(renderFromLocal, point.e2);
-    point.normal = transformVector(renderFromLocal, point.normal);
-    point.tangent = Vec4(transformVector(renderFromLocal, Vec3(point.tangent)), point.tangent.w);
-    point.corners += extentOf(renderFromLocal[3]);
-}
 
 /// The point moved off the surface, to the viewer's side or the other, far enough that a ray from there does not meet it again.
 inline Vec3 offsetOrigin(const SurfacePoint &point, bool viewersSide) {

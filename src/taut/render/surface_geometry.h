@@ -1,6 +1,11 @@
 #pragma once
 /// From what is interpolated between a triangle's corners to the shading frame: one formula for hits one by one (shading.h) and many
 /// at once (hit_lanes.h). Selections, not branches.
+///
+/// Two signs, 1 or -1. `facing`: 1 where the surface is seen from the outside; frames, normals and leans follow the viewer's side.
+/// `sense`: 1 where b0, across the rest tangent t0, lies at cross(n, t0), -1 where the UV map is mirrored: of a tangent, in w, against
+/// the outward normal; of a SurfaceGeometry against the viewer's. An object that its placement mirrors (ObjectSurface::mirrored) needs
+/// none: the edges of its triangles change places.
 
 #include "taut/base/frame.h"
 #include "taut/deform/gradient_interpolation.h"
@@ -11,11 +16,10 @@ namespace taut {
 /// A point of a triangle, render space.
 struct InterpolatedSurface {
     Vec3 position;
-    Vec3 e1, e2;   ///< edges from the first corner
+    Vec3 e1, e2;   ///< edges from the first corner, counter-clockwise seen from the outside
     Vec3 normal;   ///< of any length
-    Vec4 tangent;  ///< rotated rest tangent, of any length; w: the sense of the UV map
+    Vec4 tangent;  ///< rotated rest tangent, of any length; w: the sense, outside
     float corners; ///< greatest coordinate of what the position is computed from
-    float hand;    ///< -1 where the triangle is seen the other way round
 };
 
 struct SurfaceGeometry {
@@ -23,8 +27,8 @@ struct SurfaceGeometry {
     Vec3 s, t, n;         ///< shading frame, a function of the shading normal n alone; n on the viewer's side
     Vec2 tangent;         ///< unit, in the frame
     float clearance;      ///< distance from the surface at which a ray may start
-    float facing;         ///< 1: seen from the outside, else -1
-    float sense;          ///< of b0, against the outside; the frame follows the viewer's side
+    float facing;
+    float sense; ///< of the tangent, on the viewer's side
 };
 
 /// Greatest coordinate.
@@ -51,7 +55,7 @@ inline SurfaceGeometry surfaceGeometry(const InterpolatedSurface &p, const Vec3 
     const Vec3 cross = glm::cross(p.e1, p.e2);
     const float doubleArea = std::sqrt(glm::dot(cross, cross));
     const bool flat = doubleArea > 0;
-    const float inverse = (flat ? 1 / doubleArea : 0.0F) * p.hand;
+    const float inverse = flat ? 1 / doubleArea : 0.0F;
     const Vec3 geometric(flat ? cross.x * inverse : wo.x, flat ? cross.y * inverse : wo.y, flat ? cross.z * inverse : wo.z);
     g.facing = glm::dot(geometric, wo) >= 0 ? 1.0F : -1.0F;
     g.geometricNormal = geometric * g.facing;

@@ -37,7 +37,7 @@ Index gltfTexture(LoadContext &context, const GltfFile &file, const GltfTextureR
 Material toMaterial(LoadContext &context, const GltfFile &file, const GltfMaterial &from) {
     Material material;
     material.name = from.name;
-    material.type = from.transmission > kMostlyTransmissive ? MaterialType::Dielectric : MaterialType::MetallicRoughness;
+    material.type = from.transmission > kMostlyTransmissive ? BsdfType::Dielectric : BsdfType::MetallicRoughness;
     material.color = {Vec3(from.baseColor), gltfTexture(context, file, from.baseColorTexture, ColorSpace::Srgb, from.name)};
     const Index metallicRoughness = gltfTexture(context, file, from.metallicRoughnessTexture, ColorSpace::Linear, from.name);
     material.alphaX = material.alphaY = {from.roughness, metallicRoughness, 1};

@@ -52,7 +52,7 @@ void loadMetal(const TomlValue &value, Material &material) {
     for (const Metal &metal : metals()) {
         names.push_back(metal.name);
         if (metal.name != toText(value)) continue;
-        material.hasConductorIor = true;
+        material.type = BsdfType::Metal;
         material.conductorEta = metal.eta;
         material.conductorK = metal.k;
         return;
@@ -70,7 +70,7 @@ Multiscatter toMultiscatter(const TomlValue &value, Material material) {
     return material.multiscatter;
 }
 
-/// Keys of the rough lobes: everything but diffuse.
+/// Keys of what has a microsurface.
 void readMicrosurface(LoadContext &context, TableReader &table, Material &material) {
     if (const TomlValue *alpha = table.find("alpha")) loadAlpha(context, *alpha, material);
     table.read("rotation_deg", material.rotation, [&](const TomlValue &v) { return toFloatParam(context, v, kDegrees, radians(1), 360); });
@@ -93,29 +93,33 @@ void readMetallicRoughness(LoadContext &context, TableReader &table, Material &m
     material.anisotropyTexture = strength.texture;
 }
 
+/// Of kinds of one name the first.
+BsdfType toBsdfType(const TomlValue &value) {
+    Names<BsdfType> names;
+    for (const BsdfInfo &kind : kBsdfs)
+        if (names.empty() || names.back().first != kind.name) names.emplace_back(kind.name, kind.type);
+    return toChoice(value, names);
+}
+
 Material loadMaterial(LoadContext &context, const std::string &name, const TomlValue &value) {
     TableReader table(value, "[material." + name + "]",
                       {"type", "metal", "f0", "color", "alpha", "rotation_deg", "ior", "metallic", "roughness", "anisotropy", "poisson",
                        "masking", "multiscatter"});
     Material material;
     material.name = name;
-    table.read("type", material.type,
-               oneOf<MaterialType>({{"conductor", MaterialType::Conductor},
-                                    {"dielectric", MaterialType::Dielectric},
-                                    {"diffuse", MaterialType::Diffuse},
-                                    {"coated", MaterialType::Coated},
-                                    {"metallic_roughness", MaterialType::MetallicRoughness}}));
+    table.read("type", material.type, toBsdfType);
+    const BsdfInfo &kind = bsdfInfo(material.type);
     const auto color = [&](const TomlValue &v) { return toColorParam(context, v, kUnitInterval); };
-    if (material.type == MaterialType::Conductor) {
+    if (kind.reads(kF0Key)) {
         table.exclusive("metal", "f0");
         if (const TomlValue *metal = table.find("metal")) loadMetal(*metal, material);
         table.read("f0", material.color, color);
     } else {
         table.read("color", material.color, color);
-        if (material.type != MaterialType::Diffuse) table.read("ior", material.ior, numberIn(kIor));
     }
-    if (material.type != MaterialType::Diffuse) readMicrosurface(context, table, material);
-    if (material.type == MaterialType::MetallicRoughness) readMetallicRoughness(context, table, material);
+    if (kind.reads(kIorKey)) table.read("ior", material.ior, numberIn(kIor));
+    if (kind.microsurface) readMicrosurface(context, table, material);
+    if (kind.reads(kMetallicKey)) readMetallicRoughness(context, table, material);
     table.finish();
     return material;
 }
@@ -160,10 +164,9 @@ Index defaultMaterial(LoadContext &context) {
     if (context.defaultMaterial != kNone) return context.defaultMaterial;
     Material steel;
     steel.name = "default";
-    steel.type = MaterialType::Conductor;
     for (const Metal &metal : metals()) {
         if (metal.name != "Fe") continue;
-        steel.hasConductorIor = true;
+        steel.type = BsdfType::Metal;
         steel.conductorEta = metal.eta;
         steel.conductorK = metal.k;
     }

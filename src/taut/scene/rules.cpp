@@ -39,10 +39,10 @@ std::optional<Mistake> mistakeInView(const Camera &camera, const std::vector<int
 std::optional<Mistake> mistakeInMultiscatter(const Material &material) {
     const Multiscatter mode = material.multiscatter;
     if (mode == Multiscatter::Off || mode == Multiscatter::Auto) return {};
-    if (material.type != MaterialType::Conductor && material.type != MaterialType::Dielectric)
-        return Mistake{quotedName(mode) + ", which this version does not have yet for this type", "'off' or 'auto'"};
-    if (material.type == MaterialType::Dielectric && mode == Multiscatter::Compensation)
-        return Mistake{"'compensation' for a dielectric", "'off', 'walk' or 'auto'"};
+    const BsdfInfo &kind = bsdfInfo(material.type);
+    if (!kind.manyFacets) return Mistake{quotedName(mode) + ", which this version does not have yet for this type", "'off' or 'auto'"};
+    if (!kind.compensates() && mode == Multiscatter::Compensation)
+        return Mistake{"'compensation' for a " + std::string(kind.name), "'off', 'walk' or 'auto'"};
     if (material.masking == Masking::Separable)
         return Mistake{quotedName(mode) + " with separable masking", "'off' or 'auto', or masking = 'correlated'"};
     return {};

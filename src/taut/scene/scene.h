@@ -3,7 +3,6 @@
 ///
 /// World space: right-handed, z up, metres. Time: frame f is at (f - 1) / fps seconds; frame numbers may be fractional.
 
-#include "taut/bsdf/multiscatter.h"
 #include "taut/deform/deformer.h"
 #include "taut/deform/gradient_interpolation.h"
 #include "taut/deform/keyed.h"
@@ -14,6 +13,7 @@
 #include "taut/mesh/subdivide.h"
 #include "taut/scene/environment.h"
 #include "taut/scene/lights/light_shapes.h"
+#include "taut/scene/material.h"
 #include "taut/scene/texture.h"
 
 #include <memory>
@@ -22,44 +22,6 @@
 #include <vector>
 
 namespace taut {
-
-/// A number or one channel of a texture times that number.
-struct FloatParam {
-    float value = 0;
-    Index texture = kNone; ///< into Scene::textures
-    int channel = 0;
-};
-
-/// A linear RGB colour or a texture times that colour.
-struct ColorParam {
-    Vec3 value{1};
-    Index texture = kNone;
-};
-
-enum class MaterialType { Conductor, Dielectric, Diffuse, Coated, MetallicRoughness };
-enum class Masking { Correlated, Separable };
-
-/// alpha is GGX alpha (slope scale), never its square root. alphaX is along the tangent (dP/du), alphaY across.
-struct Material {
-    std::string name;
-    MaterialType type = MaterialType::Diffuse;
-    ColorParam color;             ///< diffuse and coated: albedo; conductor with f0: F0; dielectric: transmission tint;
-                                  ///< metallic-roughness: base colour
-    bool hasConductorIor = false; ///< conductor: eta + i k below, else Schlick with F0 = color
-    Vec3 conductorEta{1};
-    Vec3 conductorK{0};
-    FloatParam alphaX{0.1F};
-    FloatParam alphaY{0.1F};
-    bool alphaIsRoughness = false; ///< the parameters above are glTF roughness: alpha = (value * texture)^2
-    FloatParam rotation;           ///< radians, counter-clockwise from the tangent
-    float ior = 1.5F;              ///< dielectric, coated, metallic-roughness
-    FloatParam metallic;           ///< metallic-roughness only
-    float anisotropyStrength = 0;  ///< KHR_materials_anisotropy: alpha along the direction = mix(alpha, 1, strength^2)
-    Index anisotropyTexture = kNone;
-    float poisson = 0; ///< [-1, 0.5]: lambda = det(A)^(-nu/(1-nu)); -1: the normal stretches as the surface does
-    Masking masking = Masking::Correlated;
-    Multiscatter multiscatter = Multiscatter::Auto;
-};
 
 /// Placement of an object: world = T * R * S applied to the object's space. Keyed over frames. `R` is XYZ Euler angles
 /// (x first), radians. A constant placement changes no alpha; a keyed scale counts relative to its first key.
@@ -158,6 +120,10 @@ struct Scene {
     std::vector<Material> materials;
     std::vector<Texture> textures;
     std::vector<Object> objects;
+
+    /// A plain white one where there is no such material.
+    [[nodiscard]] const Material &materialAt(Index index) const { return index < materials.size() ? materials[index] : kPlainMaterial; }
+    static inline const Material kPlainMaterial{};
 };
 
 } // namespace taut

@@ -2,8 +2,7 @@
 /// Light that meets more than one facet, as a BSDF scatters it: the compensating lobe and the random walk. Used by bsdf.h; kept out of
 /// line and apart from it, so that single scattering stays as small as it is without.
 
-#include "taut/bsdf/bsdf_types.h"
-#include "taut/bsdf/facets.h"
+#include "taut/bsdf/bsdf_dispatch.h"
 #include "taut/microsurface/random_walk.h"
 
 #include <optional>
@@ -22,24 +21,23 @@ struct MultipleScattering {
 namespace multiple {
 
 [[gnu::noinline]] inline MultipleScattering prepare(const Bsdf &bsdf, Vec3 wo) {
-    const bool conductor = bsdf.type == BsdfType::Conductor || bsdf.type == BsdfType::SchlickConductor;
+    const BsdfInfo &info = bsdfInfo(bsdf.type);
     MultipleScattering s;
-    if (bsdf.multiscatter == Multiscatter::Walk && (conductor || bsdf.type == BsdfType::Dielectric)) {
-        s.treatment = Multiscatter::Walk;
-    }
+    if (bsdf.multiscatter == Multiscatter::Walk && info.manyFacets) s.treatment = Multiscatter::Walk;
     // A view from below the horizon has no albedo in the table: its one bounce is left as it is.
-    if (bsdf.multiscatter == Multiscatter::Compensation && conductor && wo.z > 0) {
+    if (bsdf.multiscatter == Multiscatter::Compensation && info.compensates() && wo.z > 0) {
         s.treatment = Multiscatter::Compensation;
         s.loss = 1 - energy::singleScatterAlbedo(bsdf.micro, wo);
         const float mean = energy::averageAlbedo(bsdf.micro);
         s.lossMean = 1 - mean;
-        const Vec3 reflected = bsdf.type == BsdfType::SchlickConductor
-                                   ? bsdf.f0 + (Vec3(1) - bsdf.f0) / 21.0F
-                                   : fresnel::diffuseMean([&](float c) { return facetReflectance(bsdf, c); });
-        s.color = energy::multipleColor(reflected, mean);
-        const float multipleShare = s.loss * luminance(s.color);
-        const float singleShare = (1 - s.loss) * luminance(facetReflectance(bsdf, wo.z));
-        s.probability = multipleShare > 0 ? std::fmin(multipleShare / (multipleShare + singleShare), 0.9F) : 0.0F;
+        withInterface(bsdf, [&](const auto &facet) {
+            if constexpr (!facet.kTransmits) {
+                s.color = energy::multipleColor(facet.meanReflectance(), mean);
+                const float multipleShare = s.loss * luminance(s.color);
+                const float singleShare = (1 - s.loss) * luminance(facet.reflectance(wo.z));
+                s.probability = multipleShare > 0 ? std::fmin(multipleShare / (multipleShare + singleShare), 0.9F) : 0.0F;
+            }
+        });
     }
     return s;
 }
@@ -47,13 +45,6 @@ namespace multiple {
 /// The compensating lobe times the cosine, before its colour; wi.z > 0.
 [[gnu::noinline]] inline float compensation(const MicroTransform &m, float loss, float lossMean, Vec3 wi) {
     return energy::multipleLobe(loss, 1 - energy::singleScatterAlbedo(m, wi), lossMean, wi.z);
-}
-
-/// `use` with the facets of the BSDF.
-template <class Use> auto withFacets(const Bsdf &bsdf, const Use &use) {
-    if (bsdf.type == BsdfType::Dielectric) return use(DielectricFacets{bsdf.eta});
-    if (bsdf.type == BsdfType::Conductor) return use(ConductorFacets{bsdf.conductorEta, bsdf.conductorK});
-    return use(SchlickFacets{bsdf.f0});
 }
 
 /// From energy to radiance, and the tint of what passes.
@@ -73,11 +64,11 @@ struct WalkEval {
 };
 
 inline float singleWalkPdf(const Bsdf &bsdf, const Vec3 &wo, const Vec3 &wi) {
-    if (bsdf.type == BsdfType::Dielectric) return walk::evaluateSingle(bsdf.micro, wo, wi, DielectricFacets{bsdf.eta}).x;
+    if (bsdfInfo(bsdf.type).transmits) return walk::evaluateSingle(bsdf.micro, wo, wi, DielectricInterface{bsdf.eta}).x;
     return wi.z > 0 ? walk::evaluateSingle(bsdf.micro, wo, wi, walk::UniformReflector{}).x : 0.0F;
 }
 inline float multipleWalkPdf(const Bsdf &bsdf, const Vec3 &wi) {
-    if (bsdf.type != BsdfType::Dielectric && !(wi.z > 0)) return 0;
+    if (!bsdfInfo(bsdf.type).transmits && !(wi.z > 0)) return 0;
     return std::max(kInvPi * std::fabs(wi.z), bsdf.micro.det * (kInvPi / 4)); // D / 4 at its peak
 }
 
@@ -89,17 +80,16 @@ inline float multipleWalkPdf(const Bsdf &bsdf, const Vec3 &wi) {
     walk::Random random(seed);
     const Vec2 first(random.uniform(), random.uniform());
     const Vec3 scale = radianceScale(bsdf, wi.z < 0);
-    withFacets(bsdf, [&](const auto &facets) {
-        e.single.fCos = walk::evaluateSingle(bsdf.micro, wo, wi, facets) * scale;
-        e.multiple.fCos = walk::evaluateMultiple(bsdf.micro, wo, wi, facets, first, random) * scale;
-        return 0;
+    withInterface(bsdf, [&](const auto &facet) {
+        e.single.fCos = walk::evaluateSingle(bsdf.micro, wo, wi, facet) * scale;
+        e.multiple.fCos = walk::evaluateMultiple(bsdf.micro, wo, wi, facet, first, random) * scale;
     });
     return e;
 }
 
 [[gnu::noinline]] inline std::optional<BsdfSample> sampleWalk(const Bsdf &bsdf, Vec3 wo, Vec2 u, std::uint32_t seed) {
     walk::Random random(seed);
-    const walk::Exit exit = withFacets(bsdf, [&](const auto &facets) { return walk::sample(bsdf.micro, wo, facets, u, random); });
+    const walk::Exit exit = withInterface(bsdf, [&](const auto &facet) { return walk::sample(bsdf.micro, wo, facet, u, random); });
     BsdfSample s;
     s.wi = exit.w;
     s.pdf = exit.bounces == 1 ? singleWalkPdf(bsdf, wo, exit.w) : multipleWalkPdf(bsdf, exit.w);

@@ -1,0 +1,91 @@
+#include "taut/render/path_state.h"
+
+namespace taut {
+
+/// Puts a hit aside to be shaded with others, where its mesh and material are plain.
+bool PathTracer::State::waits(int event, std::size_t i, int aovChannels) {
+    const Hit &hit = hits[i];
+    const Index owner = scene.objectOfGeometry(hit.geometry);
+    if (plainObjects[owner] == 0 || (event == 0 && aovChannels > 0)) return false;
+    const RenderObject &object = scene.objects()[owner];
+    const Index material = materialOfTriangle(object, hit.primitive);
+    if (!plainMaterials[material].isPlain) return false;
+    if (event == 0) paths[active[i]].alpha = 1;
+    if (event >= settings.maxEvents) return true;
+    waiting[material].push_back(static_cast<Index>(i));
+    __builtin_prefetch(&object.surface.triangles[hit.primitive]);
+    return true;
+}
+
+/// Asks memory for the corners of hit i: they lie anywhere.
+void PathTracer::State::prefetch(std::size_t i) const {
+    const RenderObject &object = scene.objects()[scene.objectOfGeometry(hits[i].geometry)];
+    const SurfaceStep &step = object.steps.front();
+    const Index3 t = object.surface.triangles[hits[i].primitive];
+    for (int k = 0; k < 3; ++k) {
+        __builtin_prefetch(&step.positions[t[k]]);
+        __builtin_prefetch(&step.normals[t[k]]);
+        __builtin_prefetch(&step.tangents[t[k]]);
+        if (step.stretch.size() > 1 && !object.stretchOnFaces()) __builtin_prefetch(&step.stretch[t[k]]);
+    }
+}
+
+/// What lane `lane` needs of hit i.
+void PathTracer::State::gather(std::size_t lane, std::size_t i) {
+    HitLanes &l = *lanes;
+    const HitCorners corners(scene.objects()[scene.objectOfGeometry(hits[i].geometry)], hits[i], 0);
+    const InterpolatedSurface p = corners.surface();
+    l.position.set(lane, p.position);
+    l.e1.set(lane, p.e1);
+    l.e2.set(lane, p.e2);
+    l.normal.set(lane, p.normal);
+    l.tangent.set(lane, Vec3(p.tangent));
+    l.tangentSense[lane] = p.tangent.w;
+    l.corners[lane] = p.corners;
+    const bool deforms = !corners.step().stretch.empty();
+    const SymmetricTensor v = deforms ? corners.stretch() : SymmetricTensor{};
+    l.diagonal.set(lane, v.diagonal);
+    l.offDiagonal.set(lane, v.offDiagonal);
+    l.deforms[lane] = deforms ? 1 : 0;
+    l.wo.set(lane, -rays[i].direction);
+    const Path &path = paths[active[i]];
+    l.throughput.set(lane, path.throughput);
+    l.etaScale[lane] = path.etaScale;
+    l.time[lane] = path.time;
+    l.sample[lane] = path.sample;
+    l.seed[lane] = path.seed;
+    l.path[lane] = active[i];
+}
+
+void PathTracer::State::shadeAtOnce(int event, const PlainMaterial &material, std::span<const Index> chunk) {
+    HitLanes &l = *lanes;
+    l.count = static_cast<int>(chunk.size());
+    const auto padded = static_cast<std::size_t>(l.padded());
+    for (const Index i : chunk) prefetch(i);
+    for (std::size_t k = 0; k < padded; ++k) gather(k, chunk[k < chunk.size() ? k : 0]);
+    const EventNumbers numbers{dimensionOf(event, kScatterDirection), dimensionOf(event, kScatterLobe), dimensionOf(event, kLightPoint),
+                               dimensionOf(event, kLightChoice), dimensionOf(event, kRoulette)};
+    lanes::view(l, material, numbers);
+    lanes::aim(l, scene.lights());
+    lanes::connect(l, material);
+    lanes::scatter(l, material);
+    for (std::size_t k = 0; k < chunk.size(); ++k) {
+        Path &path = paths[l.path[k]];
+        if (l.connects[k] > 0) {
+            shadowRays.push_back(shadowRay(l.shadowOrigin.at(k), l.position.at(k), l.lightDirection.at(k), l.lightDistance[k], path.time));
+            shadowTests.push_back({l.path[k], l.contribution.at(k)});
+        }
+        if (!(l.goesOn[k] > 0)) continue;
+        path.throughput = l.nextThroughput.at(k);
+        path.etaScale = l.nextEtaScale[k];
+        path.scatterPdf = l.scatterPdf[k];
+        Ray next;
+        next.origin = l.nextOrigin.at(k);
+        next.direction = l.nextDirection.at(k);
+        next.time = path.time;
+        nextRays.push_back(next);
+        stillActive.push_back(l.path[k]);
+    }
+}
+
+} // namespace taut

@@ -1,0 +1,99 @@
+#pragma once
+/// The paths of a batch under way, their rays and their place in the sample sequence. Internal to the integrator: integrator.cpp says
+/// what happens when, path_state.cpp starts paths and ends them outside of surfaces, shade_hit.cpp scatters them one by one, gather.cpp
+/// many at once.
+
+#include "taut/base/sobol.h"
+#include "taut/render/camera_rays.h"
+#include "taut/render/hit_lanes.h"
+#include "taut/render/integrator.h"
+
+namespace taut {
+
+/// Dimensions of the sample sequence that every event draws.
+enum EventDimension : std::uint32_t { kScatterDirection, kScatterLobe, kLightPoint, kLightChoice, kRoulette, kPerEvent };
+
+struct Path {
+    Vec3 throughput{1};
+    Vec3 radiance{0};
+    float alpha = 0;
+    float scatterPdf = 0; ///< of the ray under way; 0: a camera ray
+    float etaScale = 1;
+    float time = 0; ///< within the shutter
+    int x = 0, y = 0;
+    std::uint32_t sample = 0;
+    std::uint32_t seed = 0; ///< of the pixel
+    bool hasAovs = false;
+};
+
+struct ShadowTest {
+    Index path;
+    Vec3 contribution;
+};
+
+/// From `origin`, a little off `position`, to just before the point that lies at `distance` from the position: to that point, not
+/// beside it, for a ray that grazes the plane of an emitter would enter it before its end.
+inline Ray shadowRay(const Vec3 &origin, const Vec3 &position, const Vec3 &direction, float distance, float time) {
+    Ray ray;
+    ray.origin = origin;
+    ray.time = time;
+    const bool somewhere = distance < kInfinity;
+    ray.direction = somewhere ? position + direction * distance - origin : direction;
+    ray.farthest = somewhere ? 1 - 1e-4F : kInfinity;
+    return ray;
+}
+
+struct PathTracer::State {
+    State(const RenderScene &scene_, const std::vector<PreparedMaterial> &materials_, const TraceSettings &settings_)
+        : scene(scene_), materials(materials_), settings(settings_) {}
+
+    const RenderScene &scene;
+    const std::vector<PreparedMaterial> &materials;
+    TraceSettings settings;
+
+    std::unique_ptr<CameraLanes> cameraLanes = std::make_unique<CameraLanes>();
+    std::vector<Path> paths;
+    std::vector<float> aovs; ///< [paths x channels]
+    std::vector<Index> active, stillActive;
+    std::vector<Ray> rays, nextRays, shadowRays;
+    std::vector<Hit> hits;
+    std::vector<ShadowTest> shadowTests;
+    std::vector<unsigned char> blocked;
+
+    // Hits that are shaded at once.
+    std::vector<PlainMaterial> plainMaterials; ///< [materials]
+    std::vector<unsigned char> plainObjects;   ///< [objects]
+    std::vector<std::vector<Index>> waiting;   ///< [materials] hits of this event
+    std::unique_ptr<HitLanes> lanes = std::make_unique<HitLanes>();
+
+    std::vector<Index> escaped; ///< positions in `active` of paths whose way out is still to be looked up
+    EnvironmentLanes sky;
+
+    [[nodiscard]] Vec2 random2(const Path &path, std::uint32_t dimension) const { return sobol2(path.sample, hash(path.seed, dimension)); }
+    [[nodiscard]] float random1(const Path &path, std::uint32_t dimension) const { return sobol1(path.sample, hash(path.seed, dimension)); }
+    /// Names the walk within the microsurface, where the material asks for one.
+    [[nodiscard]] static std::uint32_t walkSeed(const Path &path, const SurfacePoint &point, std::uint32_t dimension) {
+        return point.bsdf.multiscatter == Multiscatter::Walk ? hash(path.sample, hash(path.seed, ~dimension)) : 0;
+    }
+    static std::uint32_t dimensionOf(int event, EventDimension which) {
+        return kCameraDimensions + static_cast<std::uint32_t>(event) * kPerEvent + which;
+    }
+
+    void startPaths(const Window &tile, int firstSample, int lastSample);
+    void addPaths();
+    void shadeAll(int event, const std::vector<Aov> &wanted, int aovChannels);
+    void escape(std::size_t i);
+    void lookUpEscaped();
+    static void seeEnvironment(Path &path, const Vec3 &radiance, float lightPdf);
+    /// Adds the quad and sphere lights on a ray's way; true where a camera ray ends on one.
+    bool meetLights(Path &path, const Ray &ray, float farthest) const;
+    void shade(int event, Index index, const Ray &ray, const Hit &hit, const std::vector<Aov> &wanted, int aovChannels);
+    [[nodiscard]] bool waits(int event, std::size_t i, int aovChannels);
+    void prefetch(std::size_t i) const;
+    void gather(std::size_t lane, std::size_t i);
+    void shadeAtOnce(int event, const PlainMaterial &material, std::span<const Index> chunk);
+    void connectLight(int event, Index index, const SurfacePoint &point, const ScatteringPoint &scattering);
+    void testShadows();
+};
+
+} // namespace taut

@@ -1,0 +1,73 @@
+#include "taut/render/aov.h"
+#include "taut/render/path_state.h"
+#include "taut/render/roulette.h"
+
+namespace taut {
+
+void PathTracer::State::connectLight(int event, Index index, const SurfacePoint &point, const ScatteringPoint &scattering) {
+    Path &path = paths[index];
+    const LightSample light = sampleLight(scene.lights(), point.position, path.time, random1(path, dimensionOf(event, kLightChoice)),
+                                          random2(path, dimensionOf(event, kLightPoint)));
+    if (!(light.pdf > 0)) return;
+    const Vec3 wi = point.frame.toLocal(light.direction);
+    const float side = glm::dot(light.direction, point.geometricNormal);
+    if ((side > 0) != (wi.z > 0)) return; // shading and geometric normal disagree about the side: no light leaks
+    const auto [single, multiple] = scattering.evaluateParts(wi, walkSeed(path, point, dimensionOf(event, kLightPoint)));
+    const auto weighed = [&](const BsdfEval &part) {
+        if (!(part.pdf > 0)) return Vec3(0);
+        const float weight = light.delta ? 1.0F : powerHeuristic(light.pdf, part.pdf);
+        return path.throughput * part.fCos * light.radiance * (weight / light.pdf);
+    };
+    const Vec3 contribution = weighed(single) + weighed(multiple);
+    if (!(maxComponent(contribution) > 0)) return;
+    shadowRays.push_back(shadowRay(offsetOrigin(point, side > 0), point.position, light.direction, light.distance, path.time));
+    shadowTests.push_back({index, contribution});
+}
+
+void PathTracer::State::shade(int event, Index index, const Ray &ray, const Hit &hit, const std::vector<Aov> &wanted, int aovChannels) {
+    Path &path = paths[index];
+    const SurfacePoint point = surfacePointAt(scene, materials, hit, -ray.direction, path.time);
+    if (path.scatterPdf == 0) {
+        path.alpha = 1;
+        path.hasAovs = true;
+        if (aovChannels > 0)
+            writeAovs(scene, point, wanted, &aovs[static_cast<std::size_t>(index) * static_cast<std::size_t>(aovChannels)]);
+    }
+    if (point.emission != Vec3(0)) {
+        const Index entry = scene.lightEntryOfObject(scene.objectOfGeometry(hit.geometry));
+        float weight = 1;
+        if (path.scatterPdf > 0 && entry != kNone) {
+            const float cosine = std::fabs(glm::dot(point.geometricNormal, ray.direction));
+            const float pdf = emitterHitPdf(scene.lights(), {entry, hit.primitive}, ray.origin, path.time, hit.t, cosine);
+            weight = powerHeuristic(path.scatterPdf, pdf);
+        }
+        path.radiance += path.throughput * point.emission * weight;
+    }
+    if (event >= settings.maxEvents) return;
+
+    const Vec3 wo = point.frame.toLocal(-ray.direction);
+    const ScatteringPoint scattering(point.bsdf, wo);
+    connectLight(event, index, point, scattering);
+
+    const auto sampled =
+        scattering.sample(random2(path, dimensionOf(event, kScatterDirection)), random1(path, dimensionOf(event, kScatterLobe)),
+                          walkSeed(path, point, dimensionOf(event, kScatterLobe)));
+    if (!sampled) return;
+    const Vec3 direction = glm::normalize(point.frame.fromLocal(sampled->wi));
+    const float side = glm::dot(direction, point.geometricNormal);
+    if ((side > 0) == sampled->transmitted) return;
+    path.throughput *= sampled->weight;
+    path.etaScale *= sampled->etaScale;
+    path.scatterPdf = sampled->pdf;
+    const float chance = chanceToGoOn(path.throughput, path.etaScale);
+    if (!(random1(path, dimensionOf(event, kRoulette)) < chance)) return;
+    path.throughput *= 1 / chance;
+    Ray next;
+    next.origin = offsetOrigin(point, side > 0);
+    next.direction = direction;
+    next.time = path.time;
+    nextRays.push_back(next);
+    stillActive.push_back(index);
+}
+
+} // namespace taut

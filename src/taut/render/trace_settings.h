@@ -1,0 +1,22 @@
+#pragma once
+/// What the tracing of a frame is told.
+
+#include "taut/render/ray_batch.h"
+
+namespace taut {
+
+/// Rays of a render in the order they were traced, for replay. Not thread safe: record with one thread.
+struct RayRecord {
+    std::vector<Ray> camera, scattered, shadow;
+};
+
+struct TraceSettings {
+    int width = 1, height = 1; ///< of the whole frame
+    int maxEvents = 8;
+    bool boxFilter = false;
+    std::uint32_t seed = 0; ///< of this frame
+    RayRecord *record = nullptr;
+    bool oneByOne = false; ///< shade no hits at once (hit_lanes.h): to measure, and to test that nothing changes
+};
+
+} // namespace taut
