@@ -4,7 +4,7 @@
 BUILD := build/release
 SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
 PACKAGES := g++ cmake ninja-build pkg-config libopenmesh-dev libosd-dev libembree-dev libglm-dev libopenimageio-dev openimageio-tools \
-            libtbb-dev libtomlplusplus-dev libcli11-dev libspdlog-dev libfmt-dev nlohmann-json3-dev catch2 \
+            libtbb-dev libtomlplusplus-dev libcli11-dev libfmt-dev nlohmann-json3-dev catch2 \
             ffmpeg gnuplot-nox fonts-dejavu-core
 MISSING := $(shell for p in $(PACKAGES); do dpkg-query -W -f='$${Status}' $$p 2>/dev/null | grep -q 'install ok installed' || echo $$p; done)
 

@@ -1,7 +1,7 @@
 /// Loops over many hits against the scalar functions, hit by hit, for every set of instructions that this machine has.
 
+#include "study/microsurface/batch.h"
 #include "taut/base/sobol.h"
-#include "study/batch.h"
 #include "taut/microsurface/ggx.h"
 
 #include <catch2/catch.hpp>

@@ -1,8 +1,10 @@
 /// What charts measure by: errors on limit surfaces, differences of images, plans that do the same.
 
-#include "study/limit_error.h"
-#include "study/plan_scenes.h"
-#include "study/render_image.h"
+#include "study/measures/image_error.h"
+#include "study/measures/gradient_error.h"
+#include "study/measures/render_image.h"
+#include "study/scenes/plan_scenes.h"
+#include "study/scenes/scenes.h"
 
 #include <catch2/catch.hpp>
 
@@ -13,11 +15,7 @@ TEST_CASE("The truth on limit surfaces tells exact derivatives from fits, and fi
     for (const GradientCase &c : gradientCases()) {
         if (c.shape != Shape::Torus) continue;
         INFO(c.name);
-        const auto error = [&](GradientEstimator estimator, int level) {
-            LimitStretches run(c, estimator, 12, level);
-            run.evaluate();
-            return run.error().rms;
-        };
+        const auto error = [&](GradientEstimator estimator, int level) { return estimatorError(c, estimator, 12, level).rms; };
         CHECK(error(GradientEstimator::Limit, 2) < 1e-6);
         CHECK(error(GradientEstimator::Area, 2) > 1e-5);
         CHECK(error(GradientEstimator::Face, 2) > 4 * error(GradientEstimator::Area, 2));
@@ -75,10 +73,5 @@ TEST_CASE("Samplers of reflections render the same image", "[chart][render]") {
     const std::vector<float> cone = render(0);
     CHECK(caps != cone);
     CHECK(relativeRms(caps, cone) < 0.02);
-    double means[2] = {0, 0};
-    for (std::size_t i = 0; i < caps.size(); ++i) {
-        means[0] += static_cast<double>(caps[i]);
-        means[1] += static_cast<double>(cone[i]);
-    }
-    CHECK(means[0] == Approx(means[1]).epsilon(2e-3));
+    CHECK(meanOf(caps) == Approx(meanOf(cone)).epsilon(2e-3));
 }

@@ -1,14 +1,15 @@
 /// What `taut chart` does with its numbers, whatever they are: the front, the check of defaults, rankings, CSV, plots and the page. Nothing
 /// here depends on a time that was measured.
 
-#include "study/charts.h"
-#include "study/csv.h"
-#include "study/front.h"
-#include "study/plot_labels.h"
-#include "study/plot_scale.h"
-#include "study/report.h"
-#include "study/timing.h"
 #include "command.h"
+#include "study/charts.h"
+#include "study/drawing/csv.h"
+#include "study/drawing/front.h"
+#include "study/drawing/plot_labels.h"
+#include "study/drawing/plot_scale.h"
+#include "study/drawing/report.h"
+#include "study/measures/timing.h"
+#include "study/text.h"
 
 #include "taut/base/error.h"
 
@@ -122,10 +123,18 @@ TEST_CASE("chart: the median of times and how far it may be off", "[chart]") {
     CHECK(m.repetitions == 5);
     CHECK(medianOf({2, 1, 4}).spread == 1.5); // of three the least and the greatest
     CHECK(medianOf({7}).spread == 0);
+    const Quartiles five = quartilesOf({5, 1, 4, 2, 3});
+    CHECK(five.lower == 2);
+    CHECK(five.median == 3);
+    CHECK(five.upper == 4);
     std::vector<int> order;
     const std::vector<std::function<void()>> rows{[&] { order.push_back(0); }, [&] { order.push_back(1); }};
     CHECK(timeInterleaved(rows, 2).size() == 2);
     CHECK(order == std::vector<int>{0, 1, 0, 1, 0, 1}); // the first round is not counted
+    const std::vector<Point> points = timeChoices({{"a", "1", true, [](std::uint32_t seed) { return 2.0 * seed; }}}, 2, Threads::All);
+    CHECK(points[0].y.value == 4); // of 2, 4, 6
+    CHECK(points[0].x.repetitions == 2);
+    CHECK(points[0].isDefault);
 }
 
 TEST_CASE("chart: CSV comes back as it went", "[chart]") {
@@ -233,8 +242,9 @@ TEST_CASE("chart: plots are drawn, what is not finite is hatched, and the page n
     Chart chart = chartOf(panelOf({at("it's", 1, 1e-7, true, 0.1), at("b", 2, 0), at("c", 3, INFINITY)}));
     chart.maps = {mapOf(1e-5), mapOf(INFINITY)};
     chart.maps[1].name = "holes";
-    const Section section{
-        chart, {drawPanel(chart, chart.panels[0], folder)}, {drawMap(chart, chart.maps[0], folder), drawMap(chart, chart.maps[1], folder)}};
+    chart.tables = {{"rows", "A table", {"a", "b & c"}, {{"1", "2"}, {"3", "4"}}}};
+    CHECK(markdownOf(chart.tables[0]) == "| a | b & c |\n| --- | --- |\n| 1 | 2 |\n| 3 | 4 |\n");
+    const Section section = draw(chart, folder);
     for (const char *name : {"test_made_up.svg", "test_made_up.png", "test_map.svg", "test_map.png", "test_holes.svg"})
         CHECK(fs::file_size(folder / name) > 1000);
     CHECK(namesIn(folder.string()).size() == 6);
@@ -247,6 +257,7 @@ TEST_CASE("chart: plots are drawn, what is not finite is hatched, and the page n
     const std::string page = reportPage({section}, Effort::Quick, "a <machine>", "today");
     CHECK(page.find("A test &amp; more") != std::string::npos);
     CHECK(page.find("a &lt;machine&gt;") != std::string::npos);
+    CHECK(page.find("<th>b &amp; c</th>") != std::string::npos);
     // Whatever the page loads is in it.
     const std::regex address(R"re((src|srcset|href)="([^"]{0,40}))re");
     int found = 0;

@@ -1,6 +1,6 @@
 /// Convergence of every gradient estimator and interpolation scheme towards closed forms, with the observed order.
 
-#include "study/gradient_error.h"
+#include "study/measures/gradient_error.h"
 
 #include "taut/base/frame.h"
 

@@ -2,7 +2,7 @@
 
 #include "command.h"
 
-#include "study/micro_geometry.h"
+#include "study/microsurface/micro_geometry.h"
 #include "taut/render/image_file.h"
 
 using namespace taut;

@@ -3,8 +3,8 @@
 #include "direction_bins.h"
 #include "random_transforms.h"
 
+#include "study/microsurface/precision.h"
 #include "taut/microsurface/packed_transform.h"
-#include "study/precision.h"
 
 #include <catch2/catch.hpp>
 

@@ -2,9 +2,9 @@
 
 #include "direction_bins.h"
 
+#include "study/microsurface/normal_samplers.h"
 #include "taut/base/parallel.h"
 #include "taut/base/sobol.h"
-#include "study/normal_samplers.h"
 
 #include <catch2/catch.hpp>
 
@@ -103,6 +103,24 @@ TEST_CASE("Samplers of normals follow their densities, reflected and refracted",
         }
     INFO(tests << " tests, least p " << least << ", level " << level);
     SUCCEED();
+}
+
+TEST_CASE("Warps of the unit square follow their densities", "[samplers][chi2]") {
+    Uniform uniform(kSeed);
+    const double level = sidak(0.01, 3);
+    const auto follows = [&](const auto &warp, const auto &pdf, double least) {
+        return chiSquaredOf([&] { return std::optional<Vec3>(warp(uniform.pair())); }, pdf, least, 1) > level;
+    };
+    CHECK(follows(
+        squareToSphere, [](const Vec3 &) { return squareToSpherePdf(); }, -1));
+    CHECK(follows(
+        squareToCosineHemisphere, [](const Vec3 &w) { return squareToCosineHemispherePdf(w.z); }, 0));
+    const auto raised = [](const Vec2 &u) { // onto the hemisphere above the disk
+        const Vec2 d = squareToDisk(u);
+        return Vec3(d, std::sqrt(std::fmax(0.0F, 1 - glm::dot(d, d))));
+    };
+    CHECK(follows(
+        raised, [](const Vec3 &w) { return squareToDiskPdf() * w.z; }, 0));
 }
 
 TEST_CASE("The chi-squared harness notices samplers that are wrong by two per cent", "[samplers][chi2]") {

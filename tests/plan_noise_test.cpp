@@ -1,7 +1,7 @@
 /// Light of several facets against its own noise: what a plan predicts, and what renders find.
 
 #include "render_fixtures.h"
-#include "study/render_image.h"
+#include "study/measures/render_image.h"
 
 #include "taut/plan/light_coverage.h"
 #include "taut/plan/plan.h"

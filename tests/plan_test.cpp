@@ -1,7 +1,9 @@
 /// Plans: what they choose, and that the image is as close to the full model as they say.
 
-#include "study/plan_scenes.h"
 #include "render_fixtures.h"
+#include "study/measures/image_error.h"
+#include "study/measures/render_image.h"
+#include "study/scenes/plan_scenes.h"
 
 #include <catch2/catch.hpp>
 
@@ -52,16 +54,20 @@ TEST_CASE("Honest plans: the true error is below the tolerance in every scene", 
     double total = 0;
     std::printf("%-28s %9s %9s %9s %8s\n", "scene", "tolerance", "predicted", "true", "time");
     for (const PlanScene &scene : planScenes(32)) {
-        const FullRender full = renderFull(scene, kSpp);
+        const auto render = [&](const ScenePlan &plan) { return chart::renderImage(scene.scene, plan, scene.frame, kSpp, 1); };
+        const RenderedImage full = render(fullPlan(scene.scene));
         for (const float tolerance : {0.1F, 0.01F, 0.001F}) {
-            const PlanOutcome outcome = holdPlan(scene, full, tolerance, kSpp);
-            std::printf("%-28s %9.3g %9.2g %9.2g %7.0f%%\n", scene.name.c_str(), static_cast<double>(tolerance), outcome.predicted,
-                        outcome.error, 100 * outcome.seconds / outcome.fullSeconds);
+            const ScenePlan plan = makePlan(scene.scene, tolerance);
+            const RenderedImage image = render(plan);
+            const double error = relativeRms(image.values, full.values);
+            const auto predicted = static_cast<double>(plan.predictedError);
+            std::printf("%-28s %9.3g %9.2g %9.2g %7.0f%%\n", scene.name.c_str(), static_cast<double>(tolerance), predicted, error,
+                        100 * image.seconds / full.seconds);
             INFO(scene.name << " at " << tolerance);
-            CHECK(outcome.error <= static_cast<double>(tolerance));
-            CHECK(outcome.predicted <= static_cast<double>(tolerance));
-            saved += outcome.fullSeconds - outcome.seconds;
-            total += outcome.fullSeconds;
+            CHECK(error <= static_cast<double>(tolerance));
+            CHECK(predicted <= static_cast<double>(tolerance));
+            saved += full.seconds - image.seconds;
+            total += full.seconds;
         }
     }
     std::printf("time saved over the full model: %.0f %%\n", 100 * saved / total);

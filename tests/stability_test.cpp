@@ -1,8 +1,8 @@
 /// docs/stability.md holds what it says: its values, that it names every region in which a published form fails in float, and that the
 /// forms that render are right there.
 
-#include "study/stability.h"
 #include "command.h"
+#include "study/microsurface/stability.h"
 
 #include "taut/base/error.h"
 
@@ -36,7 +36,7 @@ TEST_CASE("stability: the values of the table are those that the code gives", "[
     const std::vector<StabilityRow> rows = table();
     CHECK(rows.size() >= 25);
     for (const StabilityRow &row : rows) {
-        INFO(lineOf(row));
+        INFO(cellsOf(row)[0] << ", " << cellsOf(row)[1] << ", " << row.failure.where);
         const StabilityRow now = evaluated(row);
         CHECK(now.truth == Approx(row.truth).epsilon(1e-7));
         CHECK(now.ours == Approx(row.ours).epsilon(1e-7));

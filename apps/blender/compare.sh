@@ -23,8 +23,8 @@ rm -f "$out"/follow/* "$out"/fixed/*
 "$taut" export "$scene" --frames "$frame" -q -o "$out/follow/####.npz" "$@"
 "$taut" export "$scene" --frames "$frame" -q -o "$out/fixed/####.npz" -D mesh.0.follow=false "$@"
 for way in follow fixed; do
-    blender --python "$here/render_export.py" -- "$scene" "$frame" "$spp" "$out/$way.exr" "$out/$way"/*.npz
+    blender --python "$here/cycles.py" -- render "$scene" "$frame" "$spp" "$out/$way.exr" "$out/$way"/*.npz
 done
-blender --python "$here/compare_images.py" -- "$out/taut.exr" "$out/compare.png" \
+blender --python "$here/cycles.py" -- compare "$out/taut.exr" "$out/compare.png" \
     "cycles_follow=$out/follow.exr" "cycles_fixed=$out/fixed.exr" "taut_other_seed=$out/again.exr"
 grep '^relMSE' "$out/blender.log"

@@ -40,11 +40,17 @@ struct Panel {
     std::string title;
     std::string conditions; ///< scene, machine state, sizes: what the numbers hold for
     Axis x, y;
-    std::vector<Point> points;
+    std::vector<Point> points = {};
     bool hasFront = true;
     bool joined = false;  ///< lines through the points of a series, in their order
     bool labelled = true; ///< labels stand beside the marks; false where an axis says the same
 };
+/// A panel of lines against an axis that says what labels would: no front.
+inline Panel lines(Panel panel) {
+    panel.joined = true;
+    panel.hasFront = panel.labelled = false;
+    return panel;
+}
 
 /// Values over a grid, row by row from the lowest y; what is not finite is hatched.
 struct Map {
@@ -55,6 +61,16 @@ struct Map {
     double low = 0, high = 0; ///< ends of that scale, for maps that share it; 0, 0: from the values
 };
 
+/// Numbers of many columns, for which no plot serves: text under heads.
+struct Table {
+    std::string name, title;
+    std::vector<std::string> head;
+    std::vector<std::vector<std::string>> rows = {};
+};
+
+/// An image as renders are kept: R G B, linear, rows from the top.
+using Pixels = std::vector<float>;
+
 /// A rendered picture, already written beside the report.
 struct Picture {
     std::string caption;
@@ -64,18 +80,20 @@ struct Picture {
 struct Chart {
     std::string name; ///< as on the command line
     std::string title;
-    std::string compared;  ///< what is compared with what, and what the truth is
-    std::string howToRead; ///< the axes, the marks
-    std::string choice;    ///< which choice is the default, and why the chart supports it (or does not)
-    std::vector<Panel> panels;
-    std::vector<Map> maps;
-    std::vector<Picture> pictures;
+    std::string compared;       ///< what is compared with what, and what the truth is
+    std::string howToRead = {}; ///< the axes, the marks
+    std::string choice = {};    ///< which choice is the default, and why the chart supports it (or does not)
+    std::vector<Panel> panels = {};
+    std::vector<Map> maps = {};
+    std::vector<Picture> pictures = {};
+    std::vector<Table> tables = {};
 };
 
 /// What a measuring function is told.
 struct ChartOptions {
     Effort effort = Effort::Quick;
     std::filesystem::path directory; ///< of the report, made already; pictures go there
+    [[nodiscard]] int pick(int quick, int full) const { return effort == Effort::Quick ? quick : full; }
 };
 
 } // namespace taut::chart

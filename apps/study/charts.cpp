@@ -15,6 +15,9 @@ std::span<const ChartEntry> allCharts() {
         {"render", "the whole renderer by samples, models and samplers; Cycles where Blender is", measureRender},
         {"microgeometry", "a deformed heightfield of real facets beside M", measureMicrogeometry},
         {"talk", "the figures of the talk that the project began with", measureTalk},
+        {"microsurface", "one hit and loops over many, beside a plain GGX", measureMicrosurface},
+        {"lights", "one to 100,000 emitters: time and noise", measureLights},
+        {"export", "the writers of taut export beside plain writing", measureExport},
     };
     return kCharts;
 }

@@ -1,7 +1,9 @@
 #pragma once
-/// Every chart of `taut chart`, by name; each is measured by a function of its own in NAME_chart.cpp.
+/// Every chart of `taut chart`, by name; each is measured by a function of its own in charts/NAME.cpp.
 
 #include "study/chart.h"
+
+#include <nlohmann/json_fwd.hpp>
 
 #include <span>
 
@@ -18,6 +20,16 @@ Chart measurePlan(const ChartOptions &options);
 Chart measureRender(const ChartOptions &options);
 Chart measureMicrogeometry(const ChartOptions &options);
 Chart measureTalk(const ChartOptions &options);
+Chart measureMicrosurface(const ChartOptions &options);
+Chart measureLights(const ChartOptions &options);
+Chart measureExport(const ChartOptions &options);
+
+/// The benchmark's ratios, from what measureBench() gave for every scene. Panels of what was not measured (Cycles, equal error) are left
+/// out.
+Chart benchChart(const nlohmann::json &scenes, const std::string &conditions);
+
+/// What docs/precision.md and docs/stability.md tabulate.
+std::vector<Table> precisionTables();
 
 struct ChartEntry {
     const char *name;

@@ -3,17 +3,16 @@
 #include "commands.h"
 
 #include "study/charts.h"
-#include "study/csv.h"
-#include "study/front.h"
-#include "study/report.h"
+#include "study/drawing/csv.h"
+#include "study/drawing/front.h"
+#include "study/drawing/report.h"
+#include "study/text.h"
 
 #include "taut/base/stopwatch.h"
 
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 
 namespace taut::app {
@@ -59,20 +58,11 @@ std::size_t compareWith(const fs::path &earlier, const chart::Chart &now) {
     return turned;
 }
 
-chart::Section draw(const chart::Chart &measured, const fs::path &directory) {
-    chart::Section section{measured, {}, {}};
-    for (const chart::Panel &panel : measured.panels) section.panels.push_back(drawPanel(measured, panel, directory));
-    for (const chart::Map &map : measured.maps) section.maps.push_back(drawMap(measured, map, directory));
-    return section;
-}
-
 int run(const ChartArguments &arguments) {
     const auto entries = chosenCharts(arguments.names);
     chart::requireGnuplot();
     const chart::ChartOptions options{arguments.full ? chart::Effort::Full : chart::Effort::Quick, arguments.output};
-    std::error_code error;
-    fs::create_directories(options.directory, error);
-    if (error) failInput({"--output"}, quoted(arguments.output), "a folder that can be made");
+    chart::makeFolder(options.directory, "--output");
     std::vector<chart::Section> sections;
     std::vector<std::string> off;
     std::size_t turned = 0;
@@ -84,14 +74,10 @@ int run(const ChartArguments &arguments) {
         writeCsv(measured, options.directory);
         sections.push_back(draw(measured, options.directory));
         std::cout << fmt::format("{}: measured in {:.1f} s, drawn in {:.1f} s", entry.name, seconds, watch.lap()) << std::endl;
+        for (const chart::Table &table : measured.tables) std::cout << fmt::format("\n{}\n\n{}\n", table.title, markdownOf(table));
         for (std::string &line : checkDefaults(measured)) off.push_back(std::move(line));
     }
-    const std::string date = fmt::format("{:%Y-%m-%d %H:%M} UTC", fmt::gmtime(std::time(nullptr)));
-    const fs::path page = options.directory / "index.html";
-    std::ofstream file(page, std::ios::binary | std::ios::trunc);
-    file << reportPage(sections, options.effort, chart::describeMachine(), date);
-    if (!file.flush()) throw RunError(page.string() + ": can't be written");
-    std::cout << page.string() << std::endl;
+    std::cout << writeReport(sections, options.effort, options.directory).string() << std::endl;
     for (const std::string &line : off) std::cout << line << std::endl;
     if (arguments.check) std::cout << (off.empty() ? "every default is on its front" : "some defaults are off their fronts") << std::endl;
     return (arguments.check && !off.empty()) || turned > 0 ? 1 : 0;

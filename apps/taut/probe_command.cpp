@@ -3,7 +3,7 @@
 #include "commands.h"
 #include "probe_arguments.h"
 
-#include "study/micro_geometry.h"
+#include "study/microsurface/micro_geometry.h"
 #include "taut/base/parallel.h"
 #include "taut/base/sobol.h"
 #include "taut/bsdf/bsdf.h"

@@ -4,6 +4,7 @@
 #include "progress.h"
 #include "scene_arguments.h"
 
+#include "study/measures/memory.h"
 #include "taut/base/frame_set.h"
 #include "taut/base/peak_memory.h"
 #include "taut/render/image_file.h"
@@ -201,7 +202,7 @@ int render(RenderArguments &arguments) {
             std::cerr << "taut: warning: frame " << frame << ": " << result.counts.notFinite << " samples were not finite and were left out"
                       << std::endl;
     }
-    statistics["peak_mb"] = peakMegabytes();
+    statistics["peak_mb"] = chart::peakMegabytes();
     if (arguments.check) {
         if (!arguments.quiet) std::cout << arguments.scene.scene << ": ok, " << frames.size() << " frames" << std::endl;
     } else if (!arguments.stats.empty()) {

@@ -6,7 +6,7 @@
 /// the clamp of singular values. b is packed for the d that comes back, so that its own rounding is the only one it brings in: the
 /// roughness across any direction is off by at most 2^-11 (1 + |b|/a), |b|/a = |Sxy| / det M of S = M M^T. That is 0.05 % without
 /// shear, 0.1 % at a shear of 1; for b/a in the hundreds three numbers of 16 bits cannot hold the direction of the long axis,
-/// whatever they are: use floats. taut_precision prints it beside other choices.
+/// whatever they are: use floats. taut chart precision prints it beside other choices.
 
 #include "taut/microsurface/transform.h"
 

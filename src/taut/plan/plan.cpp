@@ -26,7 +26,7 @@ constexpr float kGrazingLoss = 2;
 /// A lobe's relative change for a relative change of both its widths, at its peak.
 constexpr float kPeakFactor = 2;
 
-// Measured on two cores at 2.5 GHz (taut_surface_bench, taut_reflection_bench, charts gradient and plan), nanoseconds.
+// Measured on two cores at 2.5 GHz (taut_surface_bench, charts sampling, gradient and plan), nanoseconds.
 constexpr float kUniformCost = 9;
 constexpr float kFaceCost = 11;
 constexpr float kVertexCost = 16;
