@@ -11,7 +11,7 @@ namespace {
 
 /// A folder may include itself and the folders before it.
 constexpr std::array<std::string_view, 10> kOrder{"base",    "microsurface", "mesh",   "deform", "bsdf",
-                                                   "formats", "scene",        "export", "plan",   "render"};
+                                                  "formats", "scene",        "export", "plan",   "render"};
 
 /// What can be lifted out of the project: these folders include nothing else.
 bool isLifted(std::string_view from) {
@@ -95,6 +95,19 @@ TEST_CASE("structure: no include of the library points up", "[structure]") {
         for (const std::string &include : includesOf(text))
             if (!fs::exists(fs::path(TAUT_SOURCE_DIR) / "src/taut" / include)) FAIL_CHECK(file << ": there is no " << include);
     }
+}
+
+TEST_CASE("structure: no include of the study points up", "[structure]") {
+    const std::vector<std::string> order{"chart.h", "text.h", "microsurface", "scenes", "measures", "drawing", "charts.h", "charts"};
+    const auto rank = [&](const std::string &path) { return std::find(order.begin(), order.end(), folderOf(path)) - order.begin(); };
+    const std::regex include(R"re(#include "study/([^"]+)")re");
+    int found = 0;
+    for (const std::string &file : sourcesBelow("apps/study")) {
+        const std::string text = sourceText("apps/study/" + file);
+        for (std::sregex_iterator it(text.begin(), text.end(), include), end; it != end; ++it, ++found)
+            if (rank((*it)[1]) > rank(file)) FAIL_CHECK(file << " includes " << (*it)[1]);
+    }
+    CHECK(found > 100);
 }
 
 TEST_CASE("structure: the microsurface and the bsdf are headers, but for the table of metals and the loops over many hits", "[structure]") {
