@@ -1,7 +1,7 @@
 /// Energy compensation: the committed table against quadrature and against its generator, the furnace, the walk; and both treatments of
 /// multiple scattering as the BSDF offers them.
 
-#include "../apps/tables/energy_fit.h"
+#include "study/microsurface/energy_fit.h"
 
 #include "taut/base/frame.h"
 #include "taut/bsdf/bsdf.h"

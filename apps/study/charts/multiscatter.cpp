@@ -2,9 +2,9 @@
 
 #include "study/charts.h"
 #include "study/measures/timing.h"
+#include "study/microsurface/albedo_quadrature.h"
 #include "study/scenes/scenes.h"
 
-#include "tables/albedo_quadrature.h"
 #include "taut/base/parallel.h"
 #include "taut/bsdf/bsdf.h"
 #include "taut/plan/plan.h"

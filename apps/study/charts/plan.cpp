@@ -27,34 +27,6 @@ constexpr int kTimedSpp = 16;
 constexpr int kErrorSpp = 64;
 constexpr std::uint32_t kErrorSeeds = 4;
 
-/// A mean of images and how much one of them varies.
-class Variance {
-  public:
-    void add(const std::vector<float> &image) {
-        sum_.resize(image.size());
-        squares_.resize(image.size());
-        for (std::size_t i = 0; i < image.size(); ++i) {
-            sum_[i] += static_cast<double>(image[i]);
-            squares_[i] += sqr(static_cast<double>(image[i]));
-        }
-        ++count_;
-    }
-    /// Variance of an image over pixels and colours, relative to the square of their means.
-    [[nodiscard]] double relative() const {
-        double variance = 0;
-        double size = 0;
-        for (std::size_t i = 0; i < sum_.size(); ++i) {
-            variance += (squares_[i] - sqr(sum_[i]) / count_) / (count_ - 1);
-            size += sqr(sum_[i] / count_);
-        }
-        return variance / size;
-    }
-
-  private:
-    std::vector<double> sum_, squares_;
-    double count_ = 0;
-};
-
 /// What one plan of a scene costs and loses.
 struct Run {
     ScenePlan plan;
@@ -123,24 +95,23 @@ Outcome outcomeOf(const PlanScene &scene, int rounds) {
     outcome.planning = watch.lap() / kCount;
     runs.push_back({full, {}, 0, {}});
 
-    std::vector<Variance> variances(runs.size());
-    std::vector<std::uint32_t> seeds(runs.size(), 0);
+    std::vector<std::vector<std::vector<float>>> images(runs.size()); // [runs][seeds], of the last frame
     std::vector<std::function<void()>> rows;
     for (std::size_t i = 0; i < runs.size(); ++i)
         rows.emplace_back([&, i] {
             RenderScene ready(scene.scene, runs[i].plan, true);
             StageTimes ignored;
-            ++seeds[i];
+            const auto seed = static_cast<std::uint32_t>(images[i].size() + 1);
             for (const int frame : scene.scene.render.frames) {
                 ready.setFrame(frame, ignored);
-                const RenderedImage image = renderReady(ready, kTimedSpp, seeds[i]);
-                if (frame == scene.scene.render.frames.back()) variances[i].add(image.values);
+                const RenderedImage image = renderReady(ready, kTimedSpp, seed);
+                if (frame == scene.scene.render.frames.back()) images[i].push_back(image.values);
             }
         });
     const std::vector<Measured> seconds = timeOnOneThread(rows, rounds);
     for (std::size_t i = 0; i < runs.size(); ++i) {
         runs[i].seconds = seconds[i];
-        runs[i].variance = variances[i].relative();
+        runs[i].variance = relativeVariance(images[i]);
     }
     measureErrors(scene, runs);
     return outcome;

@@ -2,9 +2,9 @@
 
 #include "study/charts.h"
 #include "study/measures/timing.h"
+#include "study/microsurface/precision.h"
 #include "study/text.h"
 
-#include "study/microsurface/precision.h"
 #include "taut/base/parallel.h"
 
 #include <map>

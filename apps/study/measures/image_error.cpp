@@ -46,6 +46,23 @@ double meanOf(std::span<const float> values) {
     return sum / static_cast<double>(values.size());
 }
 
+double relativeVariance(std::span<const std::vector<float>> images) {
+    const auto count = static_cast<double>(images.size());
+    double variance = 0;
+    double size = 0;
+    for (std::size_t i = 0; i < images[0].size(); ++i) {
+        double mean = 0;
+        double squares = 0;
+        for (const std::vector<float> &image : images) {
+            mean += static_cast<double>(image[i]) / count;
+            squares += sqr(static_cast<double>(image[i]));
+        }
+        variance += (squares - count * sqr(mean)) / (count - 1);
+        size += sqr(mean);
+    }
+    return variance / size;
+}
+
 double errorOfTwo(std::span<const float> a, std::span<const float> b) {
     double sum = 0;
     for (std::size_t i = 0; i < a.size(); ++i) {

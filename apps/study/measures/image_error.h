@@ -15,6 +15,9 @@ double relativeMse(std::span<const float> image, std::span<const float> referenc
 
 double meanOf(std::span<const float> values);
 
+/// Variance of images of several seeds over pixels and colours, relative to the square of their means.
+double relativeVariance(std::span<const std::vector<float>> images);
+
 /// Mean squared error of either of two independent unbiased images of the same distribution: half the mean square of their
 /// difference, over all values. The sizes are equal.
 double errorOfTwo(std::span<const float> a, std::span<const float> b);

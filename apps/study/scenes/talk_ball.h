@@ -3,9 +3,9 @@
 /// picture. A Scatter answers `scatter(wo, u, wi)`: the weight f cos / pdf at F = 1 and wi, local; 0 for a rejected sample.
 
 #include "study/chart.h"
+#include "study/microsurface/reference.h"
 #include "study/microsurface/reflection_tally.h"
 
-#include "study/microsurface/reference.h"
 #include "taut/base/frame.h"
 #include "taut/base/parallel.h"
 #include "taut/base/sobol.h"

@@ -8,7 +8,7 @@
 ///     elevation    sqrt(c) / (sqrt(c) + sqrt(1 - c)),  c the standard cosine w.z / |M^-1 w|
 ///     along, across  alpha / (1 + alpha) of the roughness in the plane of the direction and across it
 ///     correlation  rho^2
-/// and a low-degree Chebyshev product (energy_table.h, fitted by apps/tables) is within 0.012 of quadrature, 0.002 typically, for alpha
+/// and a low-degree Chebyshev product (energy_table.h, fitted by taut_tables) is within 0.012 of quadrature, 0.002 typically, for alpha
 /// in [0.02, 2] and aspects to 1:20. M outside alpha <= 10 is taken as if at that end. A lean is ignored: walk those
 /// (random_walk.h).
 

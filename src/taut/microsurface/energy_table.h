@@ -1,5 +1,5 @@
 #pragma once
-/// Chebyshev coefficients for energy_compensation.h. Written by apps/tables; not to be edited.
+/// Chebyshev coefficients for energy_compensation.h. Written by taut_tables; not to be edited.
 
 #include <array>
 #include <cstddef>

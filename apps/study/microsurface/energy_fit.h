@@ -1,7 +1,7 @@
 #pragma once
 /// Least-squares fits of the albedo of the transformed GGX microsurface in the coordinates of microsurface/energy_compensation.h.
 
-#include "albedo_quadrature.h"
+#include "study/microsurface/albedo_quadrature.h"
 
 #include "taut/microsurface/energy_compensation.h"
 

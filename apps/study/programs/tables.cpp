@@ -1,8 +1,8 @@
-/// Writes src/taut/microsurface/energy_table.h to standard output: the least-squares fits of the single-scattering albedo of the
+/// taut_tables. Writes src/taut/microsurface/energy_table.h to standard output: the least-squares fits of the single-scattering albedo of the
 /// transformed GGX microsurface and of its mean, in the coordinates of energy_compensation.h. With --check the errors of the
 /// compiled-in table at fresh points instead. About a minute.
 
-#include "energy_fit.h"
+#include "study/microsurface/energy_fit.h"
 
 #include <cstdio>
 #include <cstring>
@@ -49,7 +49,7 @@ int main(int argc, char **argv) {
         return 0;
     }
     std::printf("#pragma once\n"
-                "/// Chebyshev coefficients for energy_compensation.h. Written by apps/tables; not to be edited.\n\n"
+                "/// Chebyshev coefficients for energy_compensation.h. Written by taut_tables; not to be edited.\n\n"
                 "#include <array>\n#include <cstddef>\n\nnamespace taut::energy::table {\n\n// clang-format off\n");
     namespace t = energy::table;
     std::printf("inline constexpr std::size_t kElevation = %zu;     ///< of the elevation\n", t::kElevation);
