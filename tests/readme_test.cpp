@@ -1,4 +1,4 @@
-/// What the README promises, run: its scene is saved, its commands are executed, its links lead somewhere.
+/// What the README and docs/command.md promise, run: the scene is saved, the commands are executed.
 
 #include "assets.h"
 
@@ -6,7 +6,6 @@
 
 #include <cstdlib>
 #include <fstream>
-#include <regex>
 #include <sstream>
 
 namespace fs = std::filesystem;
@@ -35,7 +34,7 @@ std::vector<std::string> blocks(const std::string &text, const std::string &lang
 
 } // namespace
 
-TEST_CASE("The README's scene and commands run as they are printed", "[readme]") {
+TEST_CASE("The README's scene and the documented commands run as they are printed", "[readme]") {
     const fs::path source = TAUT_SOURCE_DIR;
     const fs::path folder = taut::test::outputFolder("readme");
     fs::remove_all(folder);
@@ -47,7 +46,7 @@ TEST_CASE("The README's scene and commands run as they are printed", "[readme]")
     REQUIRE(scenes.size() == 1);
     std::ofstream(folder / "first.toml") << scenes[0];
     int commands = 0;
-    for (const std::string &block : blocks(readme, "sh")) {
+    for (const std::string &block : blocks(readme + readAll(source / "docs/command.md"), "sh")) {
         std::istringstream lines(block);
         for (std::string line; std::getline(lines, line);) {
             if (line.empty()) continue;
@@ -58,25 +57,7 @@ TEST_CASE("The README's scene and commands run as they are printed", "[readme]")
             ++commands;
         }
     }
-    CHECK(commands >= 6);
+    CHECK(commands >= 14);
     for (const char *file : {"out/first.0001.png", "out/first.0024.png", "out/fixed.png", "out/first.exr", "out/body.png"})
         CHECK(fs::exists(folder / file));
-}
-
-TEST_CASE("Every link in the documentation leads to a file", "[readme]") {
-    const fs::path source = TAUT_SOURCE_DIR;
-    for (const char *name :
-         {"README.md", "docs/design.md", "docs/scene.md", "docs/reflection_sampling.md", "docs/multiple_scattering.md", "docs/probe.md",
-          "docs/benchmark.md", "docs/charts.md", "docs/stability.md", "docs/precision.md", "meshes/README.md"}) {
-        const fs::path file = source / name;
-        REQUIRE(fs::exists(file));
-        const std::string text = readAll(file);
-        const std::regex link(R"(\]\(([^)#]+)\))");
-        for (std::sregex_iterator it(text.begin(), text.end(), link), end; it != end; ++it) {
-            const std::string target = (*it)[1];
-            if (target.rfind("http", 0) == 0) continue;
-            INFO(name << " -> " << target);
-            CHECK(fs::exists(file.parent_path() / target));
-        }
-    }
 }

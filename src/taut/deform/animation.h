@@ -16,7 +16,7 @@ struct Pose {
 /// Pose of `clip` at `seconds` (held before the first and after the last key). `clip` may be null: the nodes as stored.
 Pose evaluatePose(const Rig &rig, const Clip *clip, double seconds);
 
-/// The pose against which deformation is measured (docs/design.md, "The rest state"): nodes as stored, but a scale channel whose
+/// The pose against which deformation is measured (docs/pipeline.md, "The rest state"): nodes as stored, but a scale channel whose
 /// keys are all equal counts as the node's own scale, so that a constant scale is a placement, not a deformation.
 Pose restPose(const Rig &rig, const Clip *clip);
 

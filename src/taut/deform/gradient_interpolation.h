@@ -5,7 +5,7 @@
 /// The 3x3 tensors carry sqrt(det A) along the normal (stretch.h), so that at rest and under rigid motion and uniform scaling
 /// every scheme gives back exactly what it was given, whatever the normals of the corners do. All but DsDt are independent of the
 /// rest tangent field; DsDt is the linear interpolation of the pair of vectors, which loses length where the corners' rest
-/// frames disagree (docs/design.md, section 1).
+/// frames disagree (docs/decisions.md, "V is interpolated, not ds and dt").
 
 #include "taut/deform/stretch.h"
 

@@ -5,7 +5,7 @@
 /// at rest and under rigid motion it is the identity, under uniform scaling a multiple of it, whatever the normals of a
 /// triangle's corners do, so interpolating it changes no alpha there. It does not depend on the rest tangent field at all.
 /// R t0, the rotated tangent, is a unit vector and is interpolated as any renderer interpolates tangents.
-/// (This is the "square root of S" scheme of docs/design.md, section 1, made exact at rest on curved surfaces.)
+/// (Of the schemes in docs/decisions.md, "V is interpolated, not ds and dt", this is `stretch`: exact at rest on curved surfaces.)
 
 #include "taut/base/vec.h"
 

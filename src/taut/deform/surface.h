@@ -9,7 +9,7 @@
 ///   render vertex   a surface vertex with one UV and one tangent frame; triangles index these.
 ///
 /// Rest space: object space under the linear part of the object's rest placement (`restFromObject`): what deformation is
-/// measured against (docs/design.md, "The rest state").
+/// measured against (docs/pipeline.md, "The rest state").
 ///
 /// Policies, by name, for what has no right answer:
 ///   TangentFromUv        t0 = dP/du made perpendicular to the rest normal, b0 = +-cross(n, t0), the sign of the UV map: under

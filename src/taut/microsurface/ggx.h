@@ -1,6 +1,6 @@
 #pragma once
 /// The transformed GGX microsurface: distribution, masking, visible normals and their densities, in the forms that stay
-/// accurate in float (docs/design.md, section 1). All directions are in local shading space, unit unless said; wo points to
+/// accurate in float (docs/precision.md). All directions are in local shading space, unit unless said; wo points to
 /// the viewer, wi to the light. BRDF values exclude the cosine. The transform is `m`, micro-normals are `wm`.
 ///
 /// Every function takes any real type; rendering is in float. They say `inline` because batch.h's loops need them to be. Named forms to

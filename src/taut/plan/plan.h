@@ -1,5 +1,5 @@
 #pragma once
-/// Which model of the deformed microsurface each mesh gets: no more than the scene needs (docs/design.md, section 3).
+/// Which model of the deformed microsurface each mesh gets: no more than the scene needs (docs/pipeline.md, "Plan").
 ///
 /// Every saving has a predicted error: the root mean square of the change that it makes to the image, relative to that of the
 /// image. Predictions are bounds made from the gradient field and the materials' roughness over the frames (plan.cpp says how);

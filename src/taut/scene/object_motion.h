@@ -9,7 +9,7 @@
 
 namespace taut {
 
-/// Linear part of the rest placement (docs/design.md, "The rest state"): constant scale and shear of the object's placement, of
+/// Linear part of the rest placement (docs/pipeline.md, "The rest state"): constant scale and shear of the object's placement, of
 /// its node and of its skeleton. Symmetric and positive: rotation and mirroring change no shape and are left out.
 Mat3 restFromObject(const Object &object);
 
