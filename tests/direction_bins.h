@@ -51,7 +51,7 @@ template <class F> double integrate(const F &f, double z0, double z1, double phi
     return sum * hz * hp;
 }
 
-/// The same, halving panels until the three-point rule is sure of each to `error`.
+/// The integral with panels halved until the three-point rule is sure of each to `error`.
 template <class F> double integrateAdaptively(const F &f, double z0, double z1, double phi0, double phi1, double error, int depth) {
     const double whole = integrate(f, z0, z1, phi0, phi1, 1);
     const double halves = integrate(f, z0, z1, phi0, phi1, 2);

@@ -112,7 +112,7 @@ TEST_CASE("The table's mean albedo is that of quadrature and of its own albedo",
 }
 
 TEST_CASE("The committed constants are what their generator makes", "[energy]") {
-    // The same fit from a fifth of the points: not digit for digit, but the same function.
+    // A fit from a fifth of the points: not digit for digit, but the same function.
     const std::vector<double> albedo = tables::fitAlbedo(8000, 1024);
     const std::vector<double> average = tables::fitAverage(albedo, 1000, 1024);
     REQUIRE(albedo.size() == energy::table::kAlbedo.size());

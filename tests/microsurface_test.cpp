@@ -66,7 +66,7 @@ TEST_CASE("The canonical form keeps M M^T and the equivalent alphas", "[microsur
         CHECK(m.d * m.d == Approx(c * c + d * d).margin(1e-5F * size));
         CHECK(m.a > 0);
         CHECK(m.d > 0);
-        // The same surface from (alphaMax, alphaMin, phi).
+        // From (alphaMax, alphaMin, phi) back to the surface.
         if (std::fabs(a * d - b * c) < 0.05F * size) continue;
         const EquivalentAlpha e = equivalentAlpha(m);
         const MicroTransform again = microTransformFromAlpha(e.max, e.min, e.phi);

@@ -92,7 +92,7 @@ TEST_CASE("A rigid mesh carries no tensors and is left alone where it stands", "
     ready.setFrame(2, times);
     CHECK(first != object.placements[0]);
     CHECK(local == object.steps[0].positions);
-    // The same frames through the general path: a deformer that does next to nothing.
+    // These frames through the general path: a deformer that does next to nothing.
     scene.objects[0].deformers = {[] {
         DeformerKeys keys;
         keys.type = DeformerType::Stretch;

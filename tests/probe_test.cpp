@@ -112,7 +112,7 @@ TEST_CASE("probe albedo: closed values within three standard errors, and the wal
     // White furnace, seen askew too.
     CHECK(probe("albedo --m 1,2,0,1,.3,-.2 --theta 60 --phi 70 --mode walk --samples 65536")["albedo"].get<double>() ==
           Approx(1).epsilon(1e-4));
-    // The same seed, the same answer, whatever the words.
+    // One seed gives one answer, whatever the words.
     CHECK(probe("albedo --alpha .5 --samples 4096 --seed 3") == probe("albedo --m 2,0,0,2 --spp 4096 --seed 3 --json"));
     CHECK(probe("albedo --alpha .5 --samples 4096 --seed 3") != probe("albedo --alpha .5 --samples 4096 --seed 4"));
 }

@@ -161,6 +161,12 @@ std::string sourcesOf(const std::vector<std::string> &folders) {
     return all;
 }
 
+/// Comments that begin by naming nothing: they say as little in a tooltip.
+std::vector<std::string> namelessComments(const std::string &source) {
+    static const std::regex kComment(R"(///?<? (The same\b[^\n]*))");
+    return matchesIn(source, kComment);
+}
+
 std::string repeated(const std::string &word, std::size_t times) {
     std::string text;
     for (std::size_t i = 0; i < times; ++i) text += word + (i % 10 == 9 ? "\n" : " ");
@@ -232,6 +238,11 @@ TEST_CASE("prose: tests that pages name exist", "[prose]") {
                 if (tests.find("[" + tag + "]") == std::string::npos) FAIL_CHECK(name << " names tests [" << tag << "]");
             }
     CHECK(named > 20);
+}
+
+TEST_CASE("prose: a comment says what a thing does, not that it does the same", "[prose]") {
+    CHECK(namelessComments(std::string("int a; /") + "/ The same in double.\n/// What is The same\n/" + "// The samemost\n").size() == 1);
+    for (const std::string &comment : namelessComments(sourcesOf({"src", "apps", "tests"}))) FAIL_CHECK(comment);
 }
 
 TEST_CASE("prose: pages and headings that comments name exist", "[prose]") {

@@ -169,7 +169,7 @@ TEST_CASE("A curved surface looks as its analytic gradient says", "[render][equi
         for (Vec3 &p : tall.positions) p.z *= 2;
         const std::vector<float> a = renderImage(smallScene(stretched, ggxMaterial(0.2F, 0.2F)), 1, 64);
         const std::vector<float> b = renderImage(smallScene(makeObject(tall), ggxMaterial(0.2F, 0.1F)), 1, 64);
-        // The same images but for what is interpolated between normals, which falls with the square of the mesh's step (the share over
+        // Equal images but for what is interpolated between normals, which falls with the square of the mesh's step (the share over
         // 1e-3 is 4e-3 on a mesh four times coarser), and a path in a thousand that rounding of a vertex sends another way.
         CHECK(shareOver(a, b, 1e-3F) < 1e-3);
         const std::vector<float> unchanged = renderImage(smallScene(makeObject(tall), ggxMaterial(0.2F, 0.2F)), 1, 64);

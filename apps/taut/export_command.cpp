@@ -105,7 +105,7 @@ std::string pathOf(const Output &output, int frame, const std::vector<GlossObjec
     return path.string();
 }
 
-/// The same, its folder made: what is about to be written.
+/// The path of a file that is about to be written; its folder is made.
 std::string newPathOf(const Output &output, int frame, const std::vector<GlossObject> &objects, std::size_t object) {
     std::string path = pathOf(output, frame, objects, object);
     std::error_code ignored; // the writer says what is wrong with a path

@@ -70,7 +70,7 @@ Picture histogramPicture(const Deformation &deformation, std::size_t facets, con
 
 constexpr int kBlock = 2; ///< pixels that are averaged before pictures are compared
 
-/// The same highlight from facets and from M, light of one bounce or of all.
+/// One highlight from facets and from M, light of one bounce or of all.
 void addHighlight(Chart &chart, const Deformation &deformation, const std::vector<std::size_t> &facets, bool allBounces,
                   const ChartOptions &options) {
     const int samples = options.pick(256, 4096);

@@ -19,7 +19,7 @@ class PlotScale {
     [[nodiscard]] bool logarithmic() const { return logarithmic_; }
     /// Where a value is drawn, in the axis' own units.
     [[nodiscard]] double place(double value) const;
-    /// The same as a share of the axis' length.
+    /// Where a value is drawn, as a share of the axis' length.
     [[nodiscard]] double share(double value) const;
     [[nodiscard]] const std::vector<std::pair<std::string, double>> &tics() const { return tics_; }
 

@@ -38,7 +38,7 @@ struct NormalHistogram {
 /// Counts the triangles of a mesh by projected area.
 NormalHistogram countNormals(const Mesh &mesh, int bins);
 
-/// The same of D_M n.z in closed form, each cell by quadrature.
+/// The histogram that M predicts: D_M n.z in closed form, each cell by quadrature.
 NormalHistogram expectedNormals(const MicroTransform &m, int bins);
 
 /// Half the sum of absolute differences: 0 for equal histograms, 1 for disjoint ones.

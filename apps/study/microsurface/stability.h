@@ -47,7 +47,7 @@ struct StabilityRow {
     double theirs = 0, ours = 0, truth = 0;
 };
 
-/// The same evaluated anew: theirs and ours in float, truth in long double.
+/// A row with its three values computed anew: theirs and ours in float, truth in long double.
 StabilityRow evaluated(const StabilityRow &row);
 
 /// Its cells.

@@ -27,7 +27,7 @@ class FacetPatch {
     std::unique_ptr<State> state_;
 };
 
-/// The same picture from M: single scattering, or the random walk.
+/// The picture of the highlight from M instead of facets: single scattering, or the random walk.
 Pixels renderMicrosurface(const MicroTransform &m, int samples, bool allBounces, std::uint32_t seed);
 
 } // namespace taut::chart

@@ -43,7 +43,7 @@ struct WalterBy {
     }
 };
 
-/// The same by M: the disk, M^-T, the masking of M^-1 w, and the talk's Jacobians.
+/// Reflection by M: the disk, M^-T, the masking of M^-1 w, and the talk's Jacobians.
 struct TransformBy {
     MicroTransform m;
     float operator()(const Vec3 &wo, const Vec2 &u, Vec3 &wi) const {

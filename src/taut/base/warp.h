@@ -90,7 +90,7 @@ inline HalfChord<float> diskQuantile(float u) {
     const float x = std::max(1 - z * fall, 0.0F);
     return {u < 0.5F ? -x : x, s * sine};
 }
-/// The same in wider numbers, by bisection.
+/// The chord left of which lies the share u of the disk, in wider numbers, by bisection.
 template <class T>
 requires(std::is_floating_point_v<T> && !std::is_same_v<T, float>) HalfChord<T> diskQuantile(T u) {
     T below = 0;

@@ -54,7 +54,7 @@ struct Deformer {
 };
 
 Deformer deformerAtFrame(const DeformerKeys &keys, double frame);
-/// The same in place: allocates nothing where `out` held a deformer of the same shape.
+/// deformerAtFrame() in place: allocates nothing where `out` held a deformer of the same shape.
 void setDeformer(const DeformerKeys &keys, double frame, Deformer &out);
 
 /// The image of a point and the Jacobian dD/dx there; object space.

@@ -22,7 +22,7 @@ struct GlossMaterial {
 struct GlossMesh {
     std::string name;
 
-    // The same in every frame.
+    // What no frame changes.
     std::vector<Index3> triangles;        ///< counter-clockwise from outside
     std::vector<Index> triangleMaterials; ///< [triangles], into materials
     std::vector<GlossMaterial> materials;

@@ -147,7 +147,7 @@ inline Vector3<T> spreadVisibleNormal(const BasicMicroTransform<T> &m, const Vec
                                       std::type_identity_t<T> k = 1) {
     return prefersChords(m, wo) ? glm::normalize(m.inverseTransposed(sampleChord(m, wo, u))) : sampleVisibleNormal(m, wo, u, k);
 }
-/// The same for loops over many, without a branch: both are sampled.
+/// spreadVisibleNormal() without a branch, for loops over many: both a cap and a chord are made.
 template <class T>
 inline Vector3<T> spreadVisibleNormalBranchless(const BasicMicroTransform<T> &m, const Vector3<T> &wo, const Vector2<T> &u,
                                                 std::type_identity_t<T> k = 1) {

@@ -98,7 +98,8 @@ inline float reflectionDensity(const MicroTransform &m, const Vec3 &v, float are
     return ggx::distribution(m, v, wi) / (2 * area);
 }
 
-/// The same for refraction towards wi on the other side (Walter et al. 2007, eq. 21); 0 where no facet can do it.
+/// Density of light that comes from v and is refracted by a facet towards wi on the other side, without Fresnel (Walter et al. 2007,
+/// eq. 21); 0 where no facet can do it.
 inline float refractionDensity(const MicroTransform &m, const Vec3 &v, float area, const Vec3 &wi, float eta, float &cosine) {
     const Vec3 h = facet::refractionHalf(v, wi, eta);
     const float inverse = 1 / glm::length(h);

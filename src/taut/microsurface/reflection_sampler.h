@@ -49,7 +49,7 @@ class ReflectionSampler {
         if (!(wi.z > 0)) return std::nullopt;
         return wi;
     }
-    /// The same with a coin hashed from the bits of u, for callers with two numbers.
+    /// sample() for callers with two numbers: the coin is hashed from the bits of u.
     [[nodiscard]] std::optional<Vec3> sample(const Vec2 &u) const { return sample(u, coinFrom(u)); }
 
     /// Density of sample(): D(wm) times a constant; 0 for wi below the horizon.

@@ -153,7 +153,7 @@ BasicMicroTransform<T> deformedTransform(const BasicBlock<T> &gradient, const Ba
     return microTransform<T>(a.a * rest.a + a.b * rest.c, a.a * rest.b + a.b * rest.d, a.c * rest.a + a.d * rest.c,
                              a.c * rest.b + a.d * rest.d, lean.x * inverse, lean.y * inverse);
 }
-/// The same of a surface that is a transformed one already, leaning or not: a deformation after another.
+/// A deformation after another: of a surface that is a transformed one already, leaning or not.
 template <class T>
 BasicMicroTransform<T> deformedTransform(const BasicBlock<T> &gradient, const BasicMicroTransform<T> &rest,
                                          std::type_identity_t<T> lambda = 1, const Vector2<T> &lean = Vector2<T>(0)) {

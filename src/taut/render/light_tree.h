@@ -65,7 +65,7 @@ inline float importance(const LightNode &node, const Vec3 &point) {
     return cosine > node.cosReach * kUnit ? node.power * std::max(cosine, 0.0F) / std::max(distance2, 1e-20F) : 0.0F;
 }
 
-/// The same of all lights.
+/// Irradiance that all lights of a tree could cause at a point together, up to a factor that all share and the receiver's cosine.
 inline float importance(const LightTree &tree, const Vec3 &point) {
     return tree.nodes.empty() ? 0.0F : importance(tree.nodes.front(), point);
 }

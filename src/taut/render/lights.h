@@ -122,8 +122,8 @@ inline void visitLightsMet(const LightTable &table, const Vec3 &origin, const Ve
 
 /// Density with which sampleLight returns the direction of a hit, met from `point`.
 float lightHitPdf(const LightTable &table, const LightHit &hit, const Vec3 &point);
-/// The same of a hit on a triangle of a mesh emitter at a time in the shutter: at distance t, on a surface whose normal makes |cos|
-/// with the ray.
+/// Density with which sampleLight returns the direction of a hit on a triangle of a mesh emitter at a time in the shutter: at distance t,
+/// on a surface whose normal makes |cos| with the ray.
 float emitterHitPdf(const LightTable &table, const LightPart &part, const Vec3 &point, float time, float t, float absCosine);
 
 } // namespace taut

@@ -32,7 +32,7 @@ struct LoadContext {
 
 /// The path a key names, relative to the scene file. Throws at the key where that is no readable file.
 std::string filePath(const LoadContext &context, const TomlValue &value);
-/// The same without the check, for patterns.
+/// A path relative to the scene file, whether it is there or not: for patterns.
 std::string resolvedPath(const LoadContext &context, const std::string &path);
 
 std::shared_ptr<const GltfFile> gltfFile(LoadContext &context, const std::string &path);

@@ -48,7 +48,7 @@ void prepareObjectSurface(const Object &object, double fps, ObjectSurface &out);
 void deformAtFrame(ObjectSurface &object, double frame, double fps, const DMat4 &targetFromWorld, double &deformationSeconds,
                    double &gradientSeconds);
 
-/// The same, spread to the render vertices: object.frame.
+/// deformAtFrame(), spread to the render vertices: positions, normals, ds and dt in object.frame.
 void surfaceAtFrame(ObjectSurface &object, double frame, double fps, const DMat4 &targetFromWorld, double &deformationSeconds,
                     double &gradientSeconds);
 
