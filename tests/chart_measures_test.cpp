@@ -41,7 +41,7 @@ TEST_CASE("Plans are told apart by what they do", "[chart][plan]") {
     const ScenePlan full = fullPlan(scene);
     CHECK(sameModels(full, full));
     ScenePlan refitting = full;
-    refitting.mayRefit = true;
+    refitting.bvh = BvhKind::Refit;
     CHECK(sameModels(full, refitting));
     ScenePlan other = full;
     other.meshes[0].interpolation = GradientInterpolation::Face;

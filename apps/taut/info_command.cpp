@@ -6,13 +6,13 @@
 
 #include "taut/base/frame_set.h"
 #include "taut/mesh/topology.h"
-#include "taut/plan/gradient_field.h"
-#include "taut/render/image_file.h"
 #include "taut/render/frame_render.h"
+#include "taut/render/image_file.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <array>
 #include <iostream>
 
 namespace taut::app {
@@ -27,37 +27,27 @@ struct InfoArguments {
     std::string output;
 };
 
-std::string_view nameOf(StretchModel model) {
-    switch (model) {
-    case StretchModel::Constant: return "constant";
-    case StretchModel::Uniform: return "uniform";
-    case StretchModel::PerVertex: return "per vertex";
-    case StretchModel::Leaning: return "leaning";
-    }
-    return "";
-}
-std::string_view nameOf(Multiscatter model) {
-    static constexpr std::array<std::string_view, 4> kNames{"off", "compensation", "walk", "by each hit's M"};
-    return kNames[static_cast<std::size_t>(model)];
+/// Scene, plan and measurements: what there is to tell.
+struct Report {
+    const InfoArguments &arguments;
+    const Scene &scene;
+    const RenderScene &ready;
+    const std::vector<GradientField> &fields; ///< [objects] over all frames
+};
+
+/// What a policy for what has no right answer did, by its name (surface.h).
+std::array<std::pair<std::string_view, Index>, 4> policiesOf(const Surface &surface) {
+    return {{{"RestAtLoneVertex", surface.loneVertices},
+             {"SkipDegenerateFace", surface.degenerateFaces},
+             {"SmoothFieldNoUv", surface.fallbackTangents},
+             {"TangentFromUv_mirrored", surface.mirroredVertices}}};
 }
 
 nlohmann::json toJson(const Question &q) {
     nlohmann::json choices = nlohmann::json::array();
     for (const Choice &c : q.choices)
-        choices.push_back({{"name", c.name}, {"predicted_error", c.error}, {"cost", c.cost}, {"noise", c.noise}});
-    return {{"name", q.name}, {"unit", q.unit}, {"taken", q.choices[q.taken].name}, {"choices", choices}};
-}
-
-/// The BVH's choice changes no pixel. `refits`: the scene's meshes are refitted, but in frames where a build costs less; named is what
-/// most frames get.
-Question bvhQuestion(const BvhForecast &forecast, bool refits) {
-    const auto milliseconds = [](double seconds) { return static_cast<float>(1e3 * seconds); };
-    Choice refit{"refit", 0, milliseconds(forecast.refitSeconds)};
-    Choice rebuild{"rebuild", 0, milliseconds(forecast.rebuildSeconds)};
-    const bool rebuilds = !refits || 2 * forecast.rebuilds > forecast.frames;
-    if (forecast.rebuilds > 0 && refits)
-        (rebuilds ? rebuild : refit).name += fmt::format(", {} of {} frames rebuilt", forecast.rebuilds, forecast.frames);
-    return {"bvh", "ms a frame, slower rays included", {refit, rebuild}, rebuilds ? 1U : 0U};
+        choices.push_back({{"name", nameOf(c)}, {"predicted_error", c.error}, {"cost", c.cost}, {"noise", c.noise}});
+    return {{"name", nameOf(q)}, {"unit", unitOf(q)}, {"taken", nameOf(q.choices[q.taken])}, {"choices", choices}};
 }
 
 nlohmann::json toJson(const MeshPlan &plan) {
@@ -69,21 +59,15 @@ nlohmann::json toJson(const MeshPlan &plan) {
             {"questions", questions}};
 }
 
-/// Least and greatest alpha of the object's materials after deformation, as the plan reckons with them; null without a microsurface.
-nlohmann::json alphaRange(const MeshPlan &plan) {
-    if (!(plan.greatestAlpha > 0)) return nullptr;
-    return {{"min", plan.leastAlpha}, {"max", plan.greatestAlpha}};
-}
-
-nlohmann::json describe(const RenderObject &object, bool refits, const RenderSettings &render) {
-    const int level = object.plan.subdivisionLevel;
-    const GradientField field = measureGradientField(*object.object, level, render.frames, render.fps);
-    nlohmann::json planned = toJson(object.plan);
-    if (!object.rigid && render.frames.size() > 1)
-        planned["questions"].push_back(toJson(bvhQuestion(forecastBvh(*object.object, level, render), refits)));
+nlohmann::json toJson(const RenderObject &object, const GradientField &field) {
     const Surface &surface = object.surface;
     const Mesh &mesh = object.mesh();
+    const MeshPlan &plan = object.plan;
     const Topology topology = topologyOf(*object.object->mesh, object.object->rig.has_value());
+    nlohmann::json alpha; // null without a microsurface
+    if (plan.greatestAlpha > 0) alpha = {{"min", plan.leastAlpha}, {"max", plan.greatestAlpha}};
+    nlohmann::json policies;
+    for (const auto &[name, count] : policiesOf(surface)) policies[std::string(name)] = count;
     return {{"name", object.object->name},
             {"positions", mesh.positions.size()},
             {"faces", mesh.faceCount()},
@@ -92,7 +76,7 @@ nlohmann::json describe(const RenderObject &object, bool refits, const RenderSet
             {"complex_edges", topology.complexEdges},
             {"triangles", surface.triangles.size()},
             {"render_vertices", surface.vertexCount()},
-            {"subdivision", object.plan.subdivisionLevel},
+            {"subdivision", plan.subdivisionLevel},
             {"follow", object.object->follow},
             {"rigid", object.rigid},
             {"skinned", !object.object->mesh->skin.empty()},
@@ -103,77 +87,22 @@ nlohmann::json describe(const RenderObject &object, bool refits, const RenderSet
             {"stretch_min", field.leastStretch},
             {"shear_max", field.greatestShear},
             {"lean_max", field.lean},
-            {"alpha", alphaRange(object.plan)},
+            {"alpha", alpha},
             {"collapsed_vertices", field.collapsed},
             {"folded_triangles", field.folded},
-            {"plan", planned},
-            {"policies",
-             {{"SkipDegenerateFace", surface.degenerateFaces},
-              {"RestAtLoneVertex", surface.loneVertices},
-              {"TangentFromUv_mirrored", surface.mirroredVertices},
-              {"SmoothFieldNoUv", surface.fallbackTangents}}}};
+            {"plan", toJson(plan)},
+            {"policies", policies}};
 }
 
-/// One line a question: what was taken, what it loses and costs, and the same of the next cheaper choice; or of the dearest, where that
-/// was left for its noise.
-void printQuestion(const nlohmann::json &question) {
-    const auto &choices = question["choices"];
-    std::size_t taken = 0;
-    while (choices[taken]["name"] != question["taken"]) ++taken;
-    const auto describeChoice = [&](std::size_t i) {
-        const float noise = choices[i]["noise"].get<float>();
-        return fmt::format("{} (predicted error {:.2g}, {}{:.3g} {})", choices[i]["name"].get<std::string>(),
-                           choices[i]["predicted_error"].get<float>(), noise > 0 ? fmt::format("added noise {:.2g}, ", noise) : "",
-                           choices[i]["cost"].get<float>(), question["unit"].get<std::string>());
-    };
-    std::string line = fmt::format("    {}: {}", question["name"].get<std::string>(), describeChoice(taken));
-    if (taken > 0) line += "; next cheaper: " + describeChoice(taken - 1);
-    if (taken == 0 && choices.back()["noise"].get<float>() > choices[0]["predicted_error"].get<float>())
-        line += "; noisier than what it mends: " + describeChoice(choices.size() - 1);
-    fmt::print("{}\n", line);
+std::string_view bvhOf(const RenderScene &ready) {
+    return ready.refits() ? "refit, rebuilt where its rays would pay for it" : "built anew where something deforms";
 }
 
-void printObject(const nlohmann::json &o) {
-    fmt::print("  {}: {} triangles, {} render vertices{}{}{}{}\n", o["name"].get<std::string>(), o["triangles"].get<std::size_t>(),
-               o["render_vertices"].get<std::size_t>(), o["skinned"].get<bool>() ? ", skinned" : "",
-               o["morphs"].get<std::size_t>() > 0 ? ", morphed" : "", o["rigid"].get<bool>() ? ", rigid" : "",
-               o["follow"].get<bool>() ? "" : ", roughness held fixed");
-    fmt::print("    {} components, {} boundary loops, {} edges of more than two faces\n", o["components"].get<std::size_t>(),
-               o["boundary_loops"].get<std::size_t>(), o["complex_edges"].get<std::size_t>());
-    fmt::print("    stretch {:.4g} to {:.4g}, shear up to {:.4g}, at most {} collapsed vertices and {} folded triangles\n",
-               o["stretch_min"].get<float>(), o["stretch_max"].get<float>(), o["shear_max"].get<float>(),
-               o["collapsed_vertices"].get<std::size_t>(), o["folded_triangles"].get<std::size_t>());
-    if (!o["alpha"].is_null()) fmt::print("    alpha {:.4g} to {:.4g}\n", o["alpha"]["min"].get<float>(), o["alpha"]["max"].get<float>());
-    const auto &plan = o["plan"];
-    fmt::print("    plan: M {}, gradient {}, interpolation {}\n", plan["stretch"].get<std::string>(), plan["gradient"].get<std::string>(),
-               plan["interpolation"].get<std::string>());
-    for (const auto &question : plan["questions"]) printQuestion(question);
-    for (const auto &[policy, count] : o["policies"].items())
-        if (count.get<std::size_t>() > 0) fmt::print("    {}: {}\n", policy, count.get<std::size_t>());
-}
-
-void print(const nlohmann::json &info) {
-    fmt::print("{}: {} x {}, {} spp, {} frames ({} to {})\n", info["scene"].get<std::string>(), info["width"].get<int>(),
-               info["height"].get<int>(), info["spp"].get<int>(), info["frames"].get<int>(), info["first_frame"].get<int>(),
-               info["last_frame"].get<int>());
-    fmt::print("{} materials, {} textures, {} lights{}\n", info["materials"].size(), info["textures"].get<int>(), info["lights"].get<int>(),
-               info["environment"].get<bool>() ? ", an environment" : "");
-    for (const auto &m : info["materials"]) {
-        fmt::print("  {}: multiscatter {}\n", m["name"].get<std::string>(), m["multiscatter"].get<std::string>());
-        if (!m["question"].is_null()) printQuestion(m["question"]);
-    }
-    for (const auto &o : info["objects"]) printObject(o);
-    const float inNoise = info["error_in_noise"].get<float>();
-    fmt::print("plan: tolerance {:.3g}, predicted error {:.3g}{}, BVH {}\n", info["tolerance"].get<float>(),
-               info["predicted_error"].get<float>(),
-               inNoise > 0 ? fmt::format(" and {:.2g} that is less than its noise at {} spp", inNoise, info["spp"].get<int>()) : "",
-               info["bvh"].get<std::string>());
-}
-
-nlohmann::json describe(const InfoArguments &arguments, const Scene &scene, const RenderScene &ready) {
+nlohmann::json toJson(const Report &report) {
+    const Scene &scene = report.scene;
     const std::vector<int> &frames = scene.render.frames;
-    const ScenePlan &plan = ready.plan();
-    nlohmann::json result{{"scene", arguments.scene.scene},
+    const ScenePlan &plan = report.ready.plan();
+    nlohmann::json result{{"scene", report.arguments.scene.scene},
                           {"width", scene.render.width},
                           {"height", scene.render.height},
                           {"spp", scene.render.spp},
@@ -186,22 +115,72 @@ nlohmann::json describe(const InfoArguments &arguments, const Scene &scene, cons
                           {"tolerance", plan.tolerance},
                           {"predicted_error", plan.predictedError},
                           {"error_in_noise", plan.errorInNoise},
-                          {"bvh", ready.refits() ? "refit, rebuilt where its rays would pay for it" : "built anew where something deforms"},
+                          {"bvh", bvhOf(report.ready)},
                           {"materials", nlohmann::json::array()},
                           {"objects", nlohmann::json::array()}};
     for (std::size_t i = 0; i < scene.materials.size(); ++i) {
-        const Material &material = scene.materials[i];
-        result["materials"].push_back({{"name", material.name},
-                                       {"multiscatter", nameOf(multiscatterOf(material, plan.materials[i].model))},
-                                       {"predicted_error", plan.materials[i].error},
-                                       {"question", plan.materials[i].question ? toJson(*plan.materials[i].question) : nlohmann::json()}});
+        const MultiscatterPlan &planned = plan.materials[i];
+        result["materials"].push_back({{"name", scene.materials[i].name},
+                                       {"multiscatter", nameOf(multiscatterOf(scene.materials[i], planned.model))},
+                                       {"predicted_error", planned.error},
+                                       {"question", planned.question ? toJson(*planned.question) : nlohmann::json()}});
     }
-    for (const RenderObject &object : ready.objects()) result["objects"].push_back(describe(object, ready.refits(), scene.render));
+    for (std::size_t i = 0; i < report.fields.size(); ++i) result["objects"].push_back(toJson(report.ready.objects()[i], report.fields[i]));
     return result;
 }
 
+/// One line a question: what was taken, what it loses and costs, and the same of the next cheaper choice; or of the dearest, where that
+/// was left for its noise.
+void print(const Question &q) {
+    const auto describe = [&](const Choice &c) {
+        return fmt::format("{} (predicted error {:.2g}, {}{:.3g} {})", nameOf(c), c.error,
+                           c.noise > 0 ? fmt::format("added noise {:.2g}, ", c.noise) : "", c.cost, unitOf(q));
+    };
+    std::string line = fmt::format("    {}: {}", nameOf(q), describe(q.choices[q.taken]));
+    if (q.taken > 0) line += "; next cheaper: " + describe(q.choices[q.taken - 1]);
+    if (q.taken == 0 && q.choices.back().noise > q.choices[0].error) line += "; noisier than what it mends: " + describe(q.choices.back());
+    fmt::print("{}\n", line);
+}
+
+void print(const RenderObject &object, const GradientField &field) {
+    const Object &source = *object.object;
+    const MeshPlan &plan = object.plan;
+    fmt::print("  {}: {} triangles, {} render vertices{}{}{}{}\n", source.name, object.surface.triangles.size(),
+               object.surface.vertexCount(), source.mesh->skin.empty() ? "" : ", skinned", source.mesh->morphs.empty() ? "" : ", morphed",
+               object.rigid ? ", rigid" : "", source.follow ? "" : ", roughness held fixed");
+    const Topology topology = topologyOf(*source.mesh, source.rig.has_value());
+    fmt::print("    {} components, {} boundary loops, {} edges of more than two faces\n", topology.components, topology.boundaryLoops,
+               topology.complexEdges);
+    fmt::print("    stretch {:.4g} to {:.4g}, shear up to {:.4g}, at most {} collapsed vertices and {} folded triangles\n",
+               field.leastStretch, field.greatestStretch, field.greatestShear, field.collapsed, field.folded);
+    if (plan.greatestAlpha > 0) fmt::print("    alpha {:.4g} to {:.4g}\n", plan.leastAlpha, plan.greatestAlpha);
+    fmt::print("    plan: M {}, gradient {}, interpolation {}\n", nameOf(plan.stretch), nameOf(plan.estimator), nameOf(plan.interpolation));
+    for (const Question &question : plan.questions) print(question);
+    for (const auto &[name, count] : policiesOf(object.surface))
+        if (count > 0) fmt::print("    {}: {}\n", name, count);
+}
+
+void print(const Report &report) {
+    const Scene &scene = report.scene;
+    const RenderSettings &render = scene.render;
+    const ScenePlan &plan = report.ready.plan();
+    fmt::print("{}: {} x {}, {} spp, {} frames ({} to {})\n", report.arguments.scene.scene, render.width, render.height, render.spp,
+               render.frames.size(), render.frames.front(), render.frames.back());
+    fmt::print("{} materials, {} textures, {} lights{}\n", scene.materials.size(), scene.textures.size(), scene.lights.size(),
+               scene.environment ? ", an environment" : "");
+    for (std::size_t i = 0; i < scene.materials.size(); ++i) {
+        fmt::print("  {}: multiscatter {}\n", scene.materials[i].name, nameOf(multiscatterOf(scene.materials[i], plan.materials[i].model)));
+        if (plan.materials[i].question) print(*plan.materials[i].question);
+    }
+    for (std::size_t i = 0; i < report.fields.size(); ++i) print(report.ready.objects()[i], report.fields[i]);
+    fmt::print("plan: tolerance {:.3g}, predicted error {:.3g}{}, BVH {}\n", plan.tolerance, plan.predictedError,
+               plan.errorInNoise > 0 ? fmt::format(" and {:.2g} that is less than its noise at {} spp", plan.errorInNoise, render.spp) : "",
+               bvhOf(report.ready));
+}
+
 /// Renders one channel at every frame and writes it in false colours, the range over all frames.
-nlohmann::json writeFalseColours(const InfoArguments &arguments, const Scene &scene, RenderScene &ready) {
+nlohmann::json writeFalseColours(const InfoArguments &arguments, RenderScene &ready) {
+    const Scene &scene = ready.scene();
     const std::vector<int> &frames = scene.render.frames;
     if (!isImagePath(arguments.output)) failInput({"-o"}, quoted(arguments.output), "a file name that ends in .exr or .png");
     if (frames.size() > 1 && !hasFramePattern(arguments.output))
@@ -224,20 +203,29 @@ nlohmann::json writeFalseColours(const InfoArguments &arguments, const Scene &sc
     return {{"channel", arguments.falseColour}, {"min", range.x}, {"max", range.y}};
 }
 
+/// Leaves the surfaces alone in the picture.
+void hideLights(Scene &scene) {
+    if (scene.environment) scene.environment->cameraVisible = false;
+    for (Light &light : scene.lights) light.cameraVisible = false;
+}
+
 int info(const InfoArguments &arguments) {
     const auto threads = limitThreads(arguments.scene.threads);
+    const bool pictures = !arguments.falseColour.empty();
     Scene scene = loadScene(arguments.scene, false);
-    if (!arguments.falseColour.empty()) { // surfaces alone
-        if (scene.environment) scene.environment->cameraVisible = false;
-        for (Light &light : scene.lights) light.cameraVisible = false;
+    if (pictures) hideLights(scene);
+    PlannedScene planned = planFor(scene, arguments.model, true);
+    const bool animated = scene.render.frames.size() > 1;
+    RenderScene ready(std::move(scene), std::move(planned.plan), animated, std::move(planned.surfaces));
+    const Report report{arguments, ready.scene(), ready, planned.fields};
+    if (!arguments.json) {
+        if (pictures) writeFalseColours(arguments, ready);
+        print(report);
+        return 0;
     }
-    RenderScene ready(scene, planFor(scene, arguments.model), scene.render.frames.size() > 1);
-    nlohmann::json result = describe(arguments, scene, ready);
-    if (!arguments.falseColour.empty()) result["false_colour"] = writeFalseColours(arguments, scene, ready);
-    if (arguments.json)
-        std::cout << result.dump(2) << std::endl;
-    else
-        print(result);
+    nlohmann::json result = toJson(report);
+    if (pictures) result["false_colour"] = writeFalseColours(arguments, ready);
+    std::cout << result.dump(2) << std::endl;
     return 0;
 }
 

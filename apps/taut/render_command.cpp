@@ -7,8 +7,8 @@
 #include "study/measures/memory.h"
 #include "taut/base/frame_set.h"
 #include "taut/base/peak_memory.h"
-#include "taut/render/image_file.h"
 #include "taut/render/frame_render.h"
+#include "taut/render/image_file.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -134,22 +134,18 @@ nlohmann::json toJson(const RayCounts &counts) {
             {"not_finite", counts.notFinite}};
 }
 
-int render(RenderArguments &arguments) {
-    const auto threads = limitThreads(arguments.scene.threads);
-    const ProgressStyle style = parseProgress(arguments);
-    const std::vector<std::string_view> aovNames(arguments.aovs.begin(), arguments.aovs.end());
-    const std::vector<Aov> aovs = aovsNamed(aovNames, "--aov");
+/// The scene with what the command line says about it.
+Scene sceneOf(const RenderArguments &arguments) {
     Scene scene = loadScene(arguments.scene, arguments.quiet);
     if (arguments.spp > 0) scene.render.spp = arguments.spp;
     if (arguments.seed) scene.render.seed = *arguments.seed;
     if (arguments.fixedSeed) scene.render.fixedSeed = true;
-    const std::vector<int> frames = scene.render.frames;
-    if (arguments.outputs.empty()) arguments.outputs = {"out/####.exr"};
-    checkOutputs(arguments.outputs, frames.size());
+    return scene;
+}
 
+FrameOptions optionsOf(const RenderArguments &arguments, const RenderSettings &render) {
     FrameOptions options;
-    options.spp = scene.render.spp;
-    options.aovs = aovs;
+    options.spp = render.spp;
     if (!arguments.time.empty()) {
         options.seconds = parseDuration(arguments.time);
         if (arguments.spp == 0) options.spp = 1 << 16;
@@ -158,49 +154,76 @@ int render(RenderArguments &arguments) {
         options.noise = parseNoise(*arguments.noise);
         if (arguments.spp == 0) options.spp = std::max(options.spp, kMostByNoise);
     }
+    if (!arguments.crop.empty()) options.window = parseCrop(arguments.crop, render);
+    return options;
+}
+
+/// One frame as it was rendered.
+struct RenderedFrame {
+    int frame = 1;
+    FrameResult result;
+    StageTimes times; ///< with those of the scene
+
+    [[nodiscard]] double seconds() const { return times.deformation + times.gradient + times.bvh + result.seconds; }
+};
+
+void write(const RenderedFrame &rendered, const RenderSettings &render, const std::vector<std::string> &outputs, const std::string &hash) {
+    const Film &film = rendered.result.film;
+    const Image image{film.window(), render.width, render.height, film.channelNames(), film.resolve()};
+    const Metadata metadata{{"taut:version", TAUT_VERSION},
+                            {"taut:spp", std::to_string(film.samples())},
+                            {"taut:meanSpp", fmt::format("{:.3f}", film.meanSamples())},
+                            {"taut:sampleRange", fmt::format("0-{}", film.samples() - 1)},
+                            {"taut:seed", std::to_string(render.seed)},
+                            {"taut:frame", std::to_string(rendered.frame)},
+                            {"taut:renderSeconds", fmt::format("{:.3f}", rendered.seconds())},
+                            {"taut:sceneHash", hash}};
+    for (const std::string &output : outputs) writeImage(pathOfFrame(output, rendered.frame), image, metadata);
+}
+
+nlohmann::json toJson(const RenderedFrame &rendered) {
+    return {{"frame", rendered.frame},       {"spp", rendered.result.film.samples()}, {"mean_spp", rendered.result.film.meanSamples()},
+            {"seconds", rendered.seconds()}, {"times", toJson(rendered.times)},       {"counts", toJson(rendered.result.counts)}};
+}
+
+int render(RenderArguments &arguments) {
+    const auto threads = limitThreads(arguments.scene.threads);
+    const ProgressStyle style = parseProgress(arguments);
+    const std::vector<std::string_view> aovNames(arguments.aovs.begin(), arguments.aovs.end());
+    const std::vector<Aov> aovs = aovsNamed(aovNames, "--aov");
+    Scene loaded = sceneOf(arguments);
+    const RenderSettings render = loaded.render;
+    const std::vector<int> &frames = render.frames;
+    if (arguments.outputs.empty()) arguments.outputs = {"out/####.exr"};
+    checkOutputs(arguments.outputs, frames.size());
+    FrameOptions options = optionsOf(arguments, render);
+    options.aovs = aovs;
     // How many samples there will be is not known: light is not weighed against noise.
     if ((options.seconds || options.noise) && !arguments.model.tolerance) arguments.model.tolerance = kDefaultTolerance;
-    if (!arguments.crop.empty()) options.window = parseCrop(arguments.crop, scene.render);
 
-    RenderScene ready(scene, planFor(scene, arguments.model), frames.size() > 1);
+    PlannedScene planned = planFor(loaded, arguments.model);
+    RenderScene ready(std::move(loaded), std::move(planned.plan), frames.size() > 1, std::move(planned.surfaces));
     Progress progress(style, static_cast<int>(frames.size()));
+    options.progress = [&](double share) {
+        progress.update(share);
+        return true;
+    };
     const std::string hash = sceneHash(arguments.scene);
     nlohmann::json statistics{{"scene", arguments.scene.scene}, {"version", TAUT_VERSION}, {"frames", nlohmann::json::array()}};
     for (const int frame : frames) {
         progress.startFrame(frame);
-        StageTimes sceneTimes;
-        ready.setFrame(frame, sceneTimes);
+        StageTimes times;
+        ready.setFrame(frame, times);
         if (arguments.check) continue;
-        options.seed = frameSeed(scene.render.seed, frame, scene.render.fixedSeed);
-        options.progress = [&](double share) {
-            progress.update(share);
-            return true;
-        };
-        FrameResult result = renderFrame(ready, options);
-        sceneTimes += result.times;
-        const double setup = sceneTimes.deformation + sceneTimes.gradient + sceneTimes.bvh;
-
-        const Image image{result.film.window(), scene.render.width, scene.render.height, result.film.channelNames(), result.film.resolve()};
-        const int samples = result.film.samples();
-        const Metadata metadata{{"taut:version", TAUT_VERSION},
-                                {"taut:spp", std::to_string(samples)},
-                                {"taut:meanSpp", fmt::format("{:.3f}", result.film.meanSamples())},
-                                {"taut:sampleRange", fmt::format("0-{}", samples - 1)},
-                                {"taut:seed", std::to_string(scene.render.seed)},
-                                {"taut:frame", std::to_string(frame)},
-                                {"taut:renderSeconds", fmt::format("{:.3f}", setup + result.seconds)},
-                                {"taut:sceneHash", hash}};
-        for (const std::string &output : arguments.outputs) writeImage(pathOfFrame(output, frame), image, metadata);
-        progress.finishFrame(frame, pathOfFrame(arguments.outputs.front(), frame), setup + result.seconds);
-        statistics["frames"].push_back({{"frame", frame},
-                                        {"spp", samples},
-                                        {"mean_spp", result.film.meanSamples()},
-                                        {"seconds", setup + result.seconds},
-                                        {"times", toJson(sceneTimes)},
-                                        {"counts", toJson(result.counts)}});
-        if (result.counts.notFinite > 0 && !arguments.quiet)
-            std::cerr << "taut: warning: frame " << frame << ": " << result.counts.notFinite << " samples were not finite and were left out"
-                      << std::endl;
+        options.seed = frameSeed(render.seed, frame, render.fixedSeed);
+        RenderedFrame rendered{frame, renderFrame(ready, options), times};
+        rendered.times += rendered.result.times;
+        write(rendered, render, arguments.outputs, hash);
+        progress.finishFrame(frame, pathOfFrame(arguments.outputs.front(), frame), rendered.seconds());
+        statistics["frames"].push_back(toJson(rendered));
+        if (rendered.result.counts.notFinite > 0 && !arguments.quiet)
+            std::cerr << "taut: warning: frame " << frame << ": " << rendered.result.counts.notFinite
+                      << " samples were not finite and were left out" << std::endl;
     }
     statistics["peak_mb"] = chart::peakMegabytes();
     if (arguments.check) {

@@ -37,11 +37,14 @@ void addModelArguments(CLI::App &command, ModelArguments &arguments) {
     command.add_option("--model", arguments.model, "auto: the cheapest model within the tolerance; full: every saving off");
 }
 
-ScenePlan planFor(const Scene &scene, const ModelArguments &arguments) {
-    if (arguments.model == "full") return fullPlan(scene);
+PlannedScene planFor(const Scene &scene, const ModelArguments &arguments, bool report) {
     static constexpr std::string_view kModels[] = {"auto", "full"};
-    if (!arguments.model.empty() && arguments.model != "auto") failUnknownName({"--model"}, arguments.model, kModels);
-    return makePlan(scene, arguments.tolerance);
+    PlanOptions options;
+    options.tolerance = arguments.tolerance;
+    options.full = arguments.model == "full";
+    options.report = report;
+    if (!options.full && !arguments.model.empty() && arguments.model != "auto") failUnknownName({"--model"}, arguments.model, kModels);
+    return planScene(scene, options);
 }
 
 std::shared_ptr<tbb::global_control> limitThreads(int threads) {

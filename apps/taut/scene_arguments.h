@@ -33,8 +33,8 @@ struct ModelArguments {
     std::string model;              ///< "auto" or "full"
 };
 void addModelArguments(CLI::App &command, ModelArguments &arguments);
-/// The plan that they ask for. Throws InputError for an unknown model.
-ScenePlan planFor(const Scene &scene, const ModelArguments &arguments);
+/// The plan that they ask for, with what `taut info` reports. Throws InputError for an unknown model.
+PlannedScene planFor(const Scene &scene, const ModelArguments &arguments, bool report = false);
 
 /// Limits the number of threads while it lives.
 std::shared_ptr<tbb::global_control> limitThreads(int threads);

@@ -135,7 +135,7 @@ struct Stage {
 double switchOf(const BvhPolicy &policy, std::span<const Index3> triangles, std::span<const Vec3> positions) {
     const double none = policy.refitSeconds(triangles, positions, 0);
     const double slope = policy.refitSeconds(triangles, positions, 1) - none;
-    return slope > 0 ? (BvhPolicy::rebuildSeconds(triangles) - none) / slope : 1e12;
+    return slope > 0 ? (BvhPolicy::rebuildSeconds(triangles.size()) - none) / slope : 1e12;
 }
 
 /// All stages and ways in turn, round after round.

@@ -88,7 +88,7 @@ Outcome outcomeOf(const PlanScene &scene, int rounds) {
         run.plan = makePlan(scene.scene, kTolerances[i]);
         outcome.predicted[i] = static_cast<double>(run.plan.predictedError + run.plan.errorInNoise);
         const auto found = std::find_if(runs.begin(), runs.end(),
-                                        [&](const Run &r) { return r.plan.mayRefit == run.plan.mayRefit && sameModels(r.plan, run.plan); });
+                                        [&](const Run &r) { return r.plan.bvh == run.plan.bvh && sameModels(r.plan, run.plan); });
         outcome.runOf[i] = static_cast<std::size_t>(found - runs.begin());
         if (found == runs.end()) runs.push_back(std::move(run));
     }

@@ -71,8 +71,14 @@ void GradientField::add(const ObjectSurface &object) {
     folded = std::max(folded, foldedNow);
 }
 
-GradientField measureGradientField(const Object &object, int subdivisionLevel, std::span<const int> frames, double fps) {
-    return measureOverFrames<GradientField>(object, subdivisionLevel, frames, fps);
+void GradientField::add(const GradientField &other) {
+    for (float GradientField::*most :
+         {&GradientField::greatestStretch, &GradientField::greatestShear, &GradientField::logStretch, &GradientField::fromMean,
+          &GradientField::withinFace, &GradientField::lean, &GradientField::logNormalStretch})
+        this->*most = std::fmax(this->*most, other.*most);
+    leastStretch = std::fmin(leastStretch, other.leastStretch);
+    collapsed = std::max(collapsed, other.collapsed);
+    folded = std::max(folded, other.folded);
 }
 
 } // namespace taut

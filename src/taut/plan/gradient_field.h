@@ -3,8 +3,6 @@
 
 #include "taut/scene/object_surface.h"
 
-#include <span>
-
 namespace taut {
 
 /// Extremes over all vertices and the frames looked at. Differences of tensors are relative: the Frobenius norm of the difference
@@ -23,23 +21,8 @@ struct GradientField {
 
     /// Takes in one frame of the object as it stands (deformAtFrame).
     void add(const ObjectSurface &object);
+    /// Takes in other frames.
+    void add(const GradientField &other);
 };
-
-/// Adds the object, refined to a level, as it stands at each of the frames, in world space, to a measurement.
-template <class Measurement>
-Measurement measureOverFrames(const Object &object, int subdivisionLevel, std::span<const int> frames, double fps) {
-    Measurement measurement;
-    ObjectSurface surface;
-    prepareObjectSurface(object, fps, defaultEstimator(object), subdivisionLevel, surface);
-    double ignored = 0;
-    for (const int frame : frames) {
-        deformAtFrame(surface, frame, fps, DMat4(1), ignored, ignored);
-        measurement.add(surface);
-    }
-    return measurement;
-}
-
-/// The gradient field over the frames.
-GradientField measureGradientField(const Object &object, int subdivisionLevel, std::span<const int> frames, double fps);
 
 } // namespace taut

@@ -1,7 +1,6 @@
 #include "taut/plan/refinement_error.h"
 
 #include "taut/deform/stretch.h"
-#include "taut/plan/gradient_field.h"
 
 #include <algorithm>
 
@@ -73,10 +72,6 @@ void RefinementError::add(const ObjectSurface &object) {
     normal = std::max(normal, middle(normals));
     stretch = std::max(stretch, middle(tensors));
     position = std::max(position, middle(positions));
-}
-
-RefinementError measureRefinement(const Object &object, int level, std::span<const int> frames, double fps) {
-    return measureOverFrames<RefinementError>(object, level, frames, fps);
 }
 
 } // namespace taut

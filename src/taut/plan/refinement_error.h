@@ -3,8 +3,6 @@
 
 #include "taut/scene/object_surface.h"
 
-#include <span>
-
 namespace taut {
 
 /// What linear interpolation misses in the middle of an edge, by second differences over one-rings: root mean squares over the
@@ -17,10 +15,8 @@ struct RefinementError {
     // Box of the deformed mesh over the frames, world space, metres.
     Vec3 lower{kInfinity}, upper{-kInfinity};
 
+    /// Takes in one frame of the object as it stands (deformAtFrame).
     void add(const ObjectSurface &object);
 };
-
-/// Evaluates the object, refined to a level, at each of the frames.
-RefinementError measureRefinement(const Object &object, int level, std::span<const int> frames, double fps);
 
 } // namespace taut

@@ -23,13 +23,6 @@ std::vector<float> poissonOfVertices(const Scene &scene, const ObjectSurface &ob
     return out;
 }
 
-/// Whether an object may be somewhere else at another time.
-bool moves(const Object &object) {
-    const Placement &p = object.placement;
-    return object.rig || object.points || !object.deformers.empty() || !p.translation.isConstant() || !p.rotation.isConstant() ||
-           !p.scale.isConstant();
-}
-
 /// The inverse of a rigid motion, written out: exact to rounding.
 DMat4 inverseOfRigid(const DMat4 &m) {
     const DMat3 rotation = glm::transpose(DMat3(m));
@@ -58,28 +51,31 @@ StageTimes &StageTimes::operator+=(const StageTimes &other) {
 }
 
 RenderScene::RenderScene(Scene scene, bool animated) : scene_(std::move(scene)), plan_(defaultPlan(scene_)) {
-    prepare(animated);
+    prepare(animated, {});
 }
 
-RenderScene::RenderScene(Scene scene, ScenePlan plan, bool animated) : scene_(std::move(scene)), plan_(std::move(plan)) {
-    prepare(animated);
+RenderScene::RenderScene(Scene scene, ScenePlan plan, bool animated, std::vector<ObjectSurface> surfaces)
+    : scene_(std::move(scene)), plan_(std::move(plan)) {
+    prepare(animated, std::move(surfaces));
 }
 
-void RenderScene::prepare(bool animated) {
+void RenderScene::prepare(bool animated, std::vector<ObjectSurface> surfaces) {
     const Scene &scene = scene_;
     check(scene);
     objects_ = std::vector<RenderObject>(scene.objects.size());
     changed_.assign(objects_.size(), 1);
-    std::vector<DeformingMesh> deforming;
     for (std::size_t i = 0; i < objects_.size(); ++i) {
         const Object &object = scene.objects[i];
         const bool blurred = scene.render.shutter > 0 && moves(object);
         const std::size_t times = blurred ? static_cast<std::size_t>(scene.render.motionSteps) : 1;
+        if (i < surfaces.size() && surfaces[i].object != nullptr) {
+            static_cast<ObjectSurface &>(objects_[i]) = std::move(surfaces[i]);
+            objects_[i].object = &object; // of this scene, no longer of the one that was planned
+        }
         prepareRenderObject(object, scene.render, plan_.meshes[i], times, animated, objects_[i]);
         if (hasStoredGloss(objects_[i].mesh(), objects_[i].surface)) objects_[i].storedPoisson = poissonOfVertices(scene, objects_[i]);
-        if (!objects_[i].rigid) deforming.push_back({objects_[i].surface.triangles.size(), times > 1});
     }
-    refits_ = animated && plan_.mayRefit && refitsPay(deforming, raysPerFrame(scene.render));
+    refits_ = animated && plan_.bvh == BvhKind::Refit;
     embree_ = std::make_unique<EmbreeScene>(refits_);
 }
 

@@ -26,7 +26,8 @@ class RenderScene {
     /// Takes over the scene (move it in, or it is copied, with its textures and environment) and builds topology. `animated`: more than
     /// one frame will be asked for. Throws InputError where the scene is no scene (check_scene.h).
     RenderScene(Scene scene, bool animated);
-    RenderScene(Scene scene, ScenePlan plan, bool animated);
+    /// Takes over the surfaces as well that were built for the plan (PlannedScene).
+    RenderScene(Scene scene, ScenePlan plan, bool animated, std::vector<ObjectSurface> surfaces = {});
     RenderScene(const RenderScene &) = delete;
     RenderScene &operator=(const RenderScene &) = delete;
 
@@ -65,7 +66,7 @@ class RenderScene {
   private:
     void moveCamera(double frame, const DMat4 &renderFromWorld);
 
-    void prepare(bool animated);
+    void prepare(bool animated, std::vector<ObjectSurface> surfaces);
 
     Scene scene_;
     ScenePlan plan_;

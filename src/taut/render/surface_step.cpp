@@ -189,7 +189,7 @@ void prepareRenderObject(const Object &object, const RenderSettings &render, con
                          RenderObject &out) {
     out.plan = plan;
     const bool stored = !object.mesh->storedM.empty();
-    out.rigid = isRigid(object) && !stored;
+    out.rigid = !deforms(object);
     if (stored) { // M is per vertex whatever moves; its square root is what is interpolated
         out.plan.stretch = StretchModel::PerVertex;
         out.plan.interpolation = GradientInterpolation::Stretch;
@@ -197,24 +197,20 @@ void prepareRenderObject(const Object &object, const RenderSettings &render, con
     }
     out.instanced = out.rigid && (animated || times > 1);
     out.steps.resize(out.instanced ? 1 : times);
-    prepareObjectSurface(object, render.fps, out.plan.estimator, out.plan.subdivisionLevel, out);
+    if (out.object == nullptr) prepareObjectSurface(object, render.fps, out.plan.estimator, out.plan.subdivisionLevel, out);
+    compact(out);
     const Surface &surface = out.surface;
-    if (out.subdivision) { // the surface has taken over what it needs of these; its fits read refined points
-        out.subdivision->tangents = {};
-        if (out.rigid || surface.onLimit()) out.subdivision->positions = {};
-    }
     if (out.plan.estimator == GradientEstimator::Face && !out.rigid) {
         std::vector<Vec3> rest(surface.vertexCount());
         for (std::size_t v = 0; v < rest.size(); ++v)
             rest[v] = surface.restFromObject * out.mesh().positions[surface.surfacePosition[surface.vertexSurface[v]]];
         out.metrics = restMetrics(surface, rest);
     }
-    if (!out.rigid) {
-        // Gradients that are carried along start from a fit only where control points move by themselves.
-        const bool controlMoves = object.points || !object.mesh->morphs.empty();
-        compact(out.surface, controlMoves || out.subdivision || out.plan.estimator != GradientEstimator::Analytic);
-        return;
-    }
+    if (!out.rigid) return;
+    if (out.subdivision) out.subdivision->positions = {};
+    out.gradient = {}; // of a plan that looked at its frames
+    out.cage = std::vector<Vec3>();
+    out.refined = std::vector<Vec3>();
     if (out.instanced) {
         out.placements.assign(times, Affine(0));
         out.localCentre = centreOf(out.mesh().positions, surface.restFromObject);

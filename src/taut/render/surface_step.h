@@ -1,8 +1,8 @@
 #pragma once
 /// What a hit reads of a deforming surface, at one time within the shutter: filled from the gradient as the plan wants it.
 
+#include "taut/plan/bvh_policy.h"
 #include "taut/plan/plan.h"
-#include "taut/render/bvh_policy.h"
 
 namespace taut {
 
@@ -44,7 +44,8 @@ struct RenderObject : ObjectSurface {
     }
 };
 
-/// Builds the object's surface and what the plan needs beside it, for so many times in the shutter. `animated`: other frames follow.
+/// Builds the object's surface, unless `out` has taken over that of the plan, and what the plan needs beside it, for so many times in
+/// the shutter. `animated`: other frames follow.
 void prepareRenderObject(const Object &object, const RenderSettings &render, const MeshPlan &plan, std::size_t times, bool animated,
                          RenderObject &out);
 

@@ -101,6 +101,16 @@ bool isRigid(const Object &object) {
     return true;
 }
 
+bool deforms(const Object &object) {
+    return !isRigid(object) || !object.mesh->storedM.empty();
+}
+
+bool moves(const Object &object) {
+    const Placement &p = object.placement;
+    return object.rig || object.points || !object.deformers.empty() || !p.translation.isConstant() || !p.rotation.isConstant() ||
+           !p.scale.isConstant();
+}
+
 void motionAtFrame(const Object &object, double frame, double fps, const DMat4 &renderFromWorld, ObjectMotion &motion) {
     MotionState &state = motion.state;
     state.control = object.mesh->positions;

@@ -29,5 +29,9 @@ void motionAtFrame(const Object &object, double frame, double fps, const DMat4 &
 
 /// True where the object's surface is never deformed relative to its rest state: rigid or constant placements only.
 bool isRigid(const Object &object);
+/// Whether its vertices or their M change between frames, as those of every mesh that stores its M may.
+bool deforms(const Object &object);
+/// Whether it may be somewhere else at another time.
+bool moves(const Object &object);
 
 } // namespace taut

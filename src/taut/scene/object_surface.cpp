@@ -40,6 +40,16 @@ void prepareObjectSurface(const Object &object, double fps, GradientEstimator es
     }
 }
 
+void compact(ObjectSurface &object) {
+    if (object.subdivision) {
+        object.subdivision->tangents = {};
+        if (object.surface.onLimit()) object.subdivision->positions = {}; // other fits read refined points
+    }
+    // Gradients that are carried along start from a fit only where control points move by themselves.
+    const bool controlMoves = object.object->points || !object.object->mesh->morphs.empty();
+    compact(object.surface, controlMoves || object.subdivision || object.estimator != GradientEstimator::Analytic);
+}
+
 void deformAtFrame(ObjectSurface &object, double frame, double fps, const DMat4 &targetFromWorld, double &deformationSeconds,
                    double &gradientSeconds) {
     Stopwatch watch;

@@ -43,6 +43,9 @@ void prepareObjectSurface(const Object &object, double fps, GradientEstimator es
 /// With the object's default estimator and its own level.
 void prepareObjectSurface(const Object &object, double fps, ObjectSurface &out);
 
+/// Gives back what evaluating frames has no use for: the surface has taken over what it needs of a subdivision.
+void compact(ObjectSurface &object);
+
 /// Positions and gradient of the surface vertices at a frame, in target space. Adds the seconds that positions took to
 /// `deformationSeconds`, those of gradients to `gradientSeconds`.
 void deformAtFrame(ObjectSurface &object, double frame, double fps, const DMat4 &targetFromWorld, double &deformationSeconds,

@@ -1,4 +1,4 @@
-#include "taut/render/bvh_policy.h"
+#include "taut/plan/bvh_policy.h"
 
 #include "taut/base/parallel.h"
 
@@ -13,16 +13,8 @@ namespace {
 
 /// Triangles a cluster: a few of Embree's leaves.
 constexpr std::size_t kCluster = 16;
-/// Frames that a forecast looks at, about.
-constexpr std::size_t kForecastFrames = 16;
 /// Meshes above this are judged by every so many-th cluster.
 constexpr std::size_t kMostClusters = 4096;
-// Measured on two cores (bvh chart): a build of medium quality beyond a refit, a ray, and how much of the boxes' growth a ray feels.
-constexpr double kRefitSeconds = 22e-9;  ///< a triangle
-constexpr double kBuildSeconds = 230e-9; ///< a triangle, beyond a refit
-constexpr double kRaySeconds = 120e-9;   ///< a ray, all threads together
-constexpr double kSlowdown = 1.0;        ///< relative slowdown of rays per relative growth
-constexpr double kRefittable = 0.15;     ///< relative slowdown of rays through BVHs that can be refitted, when fresh
 
 std::uint64_t spread(std::uint32_t x) {
     std::uint64_t v = x & 0x1fffffU;
@@ -57,17 +49,6 @@ double boxesOverTriangles(const std::vector<Index> &order, std::span<const Index
 
 } // namespace
 
-bool refitsPay(std::span<const DeformingMesh> meshes, double rays) {
-    double refits = kRefittable * rays * kRaySeconds;
-    double builds = 0;
-    for (const DeformingMesh &mesh : meshes) {
-        const auto triangles = static_cast<double>(mesh.triangles);
-        builds += (kRefitSeconds + kBuildSeconds) * triangles;
-        refits += (kRefitSeconds + (mesh.blurred ? kBuildSeconds : 0)) * triangles;
-    }
-    return refits < builds;
-}
-
 void BvhPolicy::built(std::span<const Index3> triangles, std::span<const Vec3> positions) {
     Vec3 lower(kInfinity);
     Vec3 upper(-kInfinity);
@@ -100,40 +81,10 @@ double BvhPolicy::growth(std::span<const Index3> triangles, std::span<const Vec3
     return fresh_ > 0 ? boxesOverTriangles(order_, triangles, positions) / fresh_ : 1;
 }
 
-double BvhPolicy::refitSeconds(std::span<const Index3> triangles, std::span<const Vec3> positions, double rays) const {
-    return kRefitSeconds * static_cast<double>(triangles.size()) +
-           kSlowdown * std::max(0.0, growth(triangles, positions) - 1) * rays * kRaySeconds;
-}
-
-double BvhPolicy::rebuildSeconds(std::span<const Index3> triangles) {
-    return (kRefitSeconds + kBuildSeconds) * static_cast<double>(triangles.size());
-}
-
-BvhForecast forecastBvh(const Object &object, int subdivisionLevel, const RenderSettings &render) {
-    BvhForecast forecast;
-    ObjectSurface surface;
-    prepareObjectSurface(object, render.fps, defaultEstimator(object), subdivisionLevel, surface);
-    const std::vector<Index3> &triangles = surface.surface.triangles;
-    BvhPolicy policy;
-    const double rays = raysPerFrame(render);
-    double ignored = 0;
-    const std::size_t stride = std::max<std::size_t>(1, render.frames.size() / kForecastFrames);
-    for (std::size_t i = 0; i < render.frames.size(); i += stride) {
-        surfaceAtFrame(surface, render.frames[i], render.fps, DMat4(1), ignored, ignored);
-        const std::vector<Vec3> &positions = surface.frame.positions;
-        if (i == 0) {
-            policy.built(triangles, positions);
-            continue;
-        }
-        ++forecast.frames;
-        forecast.refitSeconds += policy.refitSeconds(triangles, positions, rays);
-        if (!policy.shouldRebuild(triangles, positions, rays)) continue;
-        ++forecast.rebuilds;
-        policy.built(triangles, positions);
-    }
-    forecast.refitSeconds = forecast.refitSeconds / std::max(1, forecast.frames) + kRefittable * rays * kRaySeconds;
-    forecast.rebuildSeconds = BvhPolicy::rebuildSeconds(triangles);
-    return forecast;
+double BvhPolicy::refitSeconds(std::span<const Index3> triangles, std::span<const Vec3> positions, double rays,
+                               const BvhCosts &costs) const {
+    return costs.refit * static_cast<double>(triangles.size()) +
+           costs.slowdown * std::max(0.0, growth(triangles, positions) - 1) * rays * costs.ray;
 }
 
 } // namespace taut

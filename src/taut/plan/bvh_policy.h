@@ -7,21 +7,13 @@
 /// proportion to its growth; a new build is due when the rays of a frame would pay for it. The rule looks at geometry and sample
 /// counts alone, never at a clock: the same scene gives the same bits.
 
-#include "taut/scene/object_surface.h"
+#include "taut/plan/costs.h"
+#include "taut/scene/scene.h"
 
 #include <span>
 #include <vector>
 
 namespace taut {
-
-/// A mesh that deforms, as the choice between kinds of BVH sees it.
-struct DeformingMesh {
-    std::size_t triangles = 0;
-    bool blurred = false; ///< several times in the shutter: Embree refits none of these
-};
-/// Whether BVHs that can be refitted pay for a scene with these meshes and about this many rays a frame: they are updated ten times
-/// quicker than a fresh one is built, and traced more slowly.
-bool refitsPay(std::span<const DeformingMesh> meshes, double rays);
 
 class BvhPolicy {
   public:
@@ -29,14 +21,18 @@ class BvhPolicy {
     void built(std::span<const Index3> triangles, std::span<const Vec3> positions);
 
     /// Whether to build rather than refit for these positions, with about this many rays to trace: where refitting costs more.
-    [[nodiscard]] bool shouldRebuild(std::span<const Index3> triangles, std::span<const Vec3> positions, double rays) const {
-        return refitSeconds(triangles, positions, rays) > rebuildSeconds(triangles);
+    [[nodiscard]] bool shouldRebuild(std::span<const Index3> triangles, std::span<const Vec3> positions, double rays,
+                                     const BvhCosts &costs = {}) const {
+        return refitSeconds(triangles, positions, rays, costs) > rebuildSeconds(triangles.size(), costs);
     }
 
     /// What either costs this frame, as the policy reckons: a refit with what its boxes slow down its rays, a build. Both of a BVH that
     /// can be refitted.
-    [[nodiscard]] double refitSeconds(std::span<const Index3> triangles, std::span<const Vec3> positions, double rays) const;
-    [[nodiscard]] static double rebuildSeconds(std::span<const Index3> triangles);
+    [[nodiscard]] double refitSeconds(std::span<const Index3> triangles, std::span<const Vec3> positions, double rays,
+                                      const BvhCosts &costs = {}) const;
+    [[nodiscard]] static double rebuildSeconds(std::size_t triangles, const BvhCosts &costs = {}) {
+        return (costs.refit + costs.build) * static_cast<double>(triangles);
+    }
 
     /// Boxes' surface over triangles' area, relative to what it was when the BVH was built: 1 when fresh.
     [[nodiscard]] double growth(std::span<const Index3> triangles, std::span<const Vec3> positions) const;
@@ -48,14 +44,6 @@ class BvhPolicy {
                                // positions of the last build
     double fresh_ = 0;
 };
-
-/// What the policy will do with a mesh, by its shape at some of its frames.
-struct BvhForecast {
-    double refitSeconds = 0;      ///< a frame, on average over those after the first, with what such BVHs slow down rays
-    double rebuildSeconds = 0;    ///< a fresh BVH at every frame
-    int frames = 0, rebuilds = 0; ///< looked at; of them with a new build
-};
-BvhForecast forecastBvh(const Object &object, int subdivisionLevel, const RenderSettings &render);
 
 /// Rays of a frame, about.
 inline double raysPerFrame(const RenderSettings &render) {
