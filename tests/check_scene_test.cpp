@@ -154,7 +154,7 @@ const std::vector<Wrong> kWrongMaterials{
     {[](Scene &s) { s.materials[0].anisotropyStrength = 2; }, "anisotropyStrength: found 2"},
     {[](Scene &s) { s.materials[0].poisson = 0.75F; }, "poisson: found 0.75, expected a number in [-1, 0.5]"},
     {[](Scene &s) {
-         s.materials[0].type = MaterialType::Coated;
+         s.materials[0].type = BsdfType::Coated;
          s.materials[0].multiscatter = Multiscatter::Walk;
      },
      "multiscatter: found 'walk', which this version does not have yet for this type"},

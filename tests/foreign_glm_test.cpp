@@ -6,7 +6,7 @@
 
 #include "taut/export/gloss_export.h"
 #include "taut/render/image_file.h"
-#include "taut/render/render_frame.h"
+#include "taut/render/frame_render.h"
 #include "taut/scene/load_scene.h"
 
 #include <catch2/catch.hpp>

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <regex>
+#include <set>
 
 using namespace taut::test;
 
@@ -117,12 +118,43 @@ TEST_CASE("structure: the microsurface and the bsdf are headers, but for the tab
     CHECK(compiled == std::vector<std::string>{"bsdf/metals.cpp"});
 }
 
-TEST_CASE("structure: no file is longer than 500 lines", "[structure]") {
+TEST_CASE("structure: no file is longer than 400 lines", "[structure]") {
     for (const std::string folder : {"src", "apps", "tests", "meshes"})
         for (const std::string &file : sourcesBelow(folder)) {
             const std::size_t lines = linesOf(sourceText(folder + "/" + file)).size();
-            if (lines > 500) FAIL_CHECK(folder << "/" << file << " has " << lines << " lines");
+            if (lines > 400) FAIL_CHECK(folder << "/" << file << " has " << lines << " lines");
         }
+}
+
+TEST_CASE("structure: meshes and what deforms them know no file format", "[structure]") {
+    const std::regex format("gltf|tinygltf|fstream|file_bytes|\\.glb|\\.obj", std::regex::icase);
+    CHECK(std::regex_search("#include <fstream>", format));
+    for (const std::string folder : {"mesh", "deform", "microsurface", "bsdf"})
+        for (const std::string &file : sourcesBelow("src/taut/" + folder))
+            for (const std::string &line : linesOf(sourceText("src/taut/" + folder + "/" + file)))
+                if (line.find("//") == std::string::npos && std::regex_search(line, format)) FAIL_CHECK(folder << '/' << file << ": " << line);
+}
+
+TEST_CASE("structure: headers that are installed need no private library, and none is of the study", "[structure]") {
+    // cmake/TautPublicHeaders.cmake: roots, and what they include.
+    const std::string list = sourceText("cmake/TautPublicHeaders.cmake");
+    const std::regex name(R"re([a-z_]+/[a-z_/]+\.h)re");
+    std::vector<std::string> waiting;
+    const std::string roots = list.substr(list.find("set(TAUT_PUBLIC_ROOTS"), list.find(')') - list.find("set(TAUT_PUBLIC_ROOTS"));
+    for (std::sregex_iterator it(roots.begin(), roots.end(), name), end; it != end; ++it) waiting.push_back(it->str());
+    std::set<std::string> found;
+    const std::regex forbidden(R"re(#\s*include\s*[<"](embree|OpenMesh|opensubdiv|OpenImageIO|toml\+\+|nlohmann|study))re");
+    while (!waiting.empty()) {
+        const std::string header = waiting.back();
+        waiting.pop_back();
+        if (!found.insert(header).second) continue;
+        const std::string text = sourceText("src/taut/" + header);
+        if (std::regex_search(text, forbidden)) FAIL_CHECK(header);
+        for (const std::string &include : includesOf(text)) waiting.push_back(include);
+    }
+    CHECK(found.size() > 60);
+    for (const std::string header : {"formats/gltf_source.h", "mesh/limit_rows.h", "render/embree_packets.h", "scene/load_context.h"})
+        CHECK(found.count(header) == 0);
 }
 
 TEST_CASE("structure: every header has its guard and says what it is", "[structure]") {

@@ -193,8 +193,7 @@ nlohmann::json writeFalseColours(const InfoArguments &arguments, RenderScene &re
         StageTimes times;
         ready.setFrame(frame, times);
         const FrameResult result = renderFrame(ready, options);
-        images.push_back(
-            {result.film.window(), scene.render.width, scene.render.height, result.film.channelNames(), result.film.resolve()});
+        images.push_back(imageOf(result.film, scene.render));
     }
     const Vec2 range = channelRange(images, arguments.falseColour);
     for (std::size_t i = 0; i < frames.size(); ++i)

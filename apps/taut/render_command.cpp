@@ -169,7 +169,7 @@ struct RenderedFrame {
 
 void write(const RenderedFrame &rendered, const RenderSettings &render, const std::vector<std::string> &outputs, const std::string &hash) {
     const Film &film = rendered.result.film;
-    const Image image{film.window(), render.width, render.height, film.channelNames(), film.resolve()};
+    const Image image = imageOf(film, render);
     const Metadata metadata{{"taut:version", TAUT_VERSION},
                             {"taut:spp", std::to_string(film.samples())},
                             {"taut:meanSpp", fmt::format("{:.3f}", film.meanSamples())},

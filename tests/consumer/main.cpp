@@ -1,9 +1,7 @@
-/// Uses a little of every kind of header of the installed library and checks what comes back: the microsurface (headers
+/// Includes every header that is installed, uses a little of the library and checks what comes back: the microsurface (headers
 /// only), a mesh reader and a deformer (compiled). Prints one line and returns 0 where all is right.
 
-#include <taut/deform/deformer.h>
-#include <taut/formats/read_mesh.h>
-#include <taut/microsurface/ggx.h>
+#include "all_headers.h" // written by install_test.cmake
 
 #include <cmath>
 #include <fstream>

@@ -343,6 +343,10 @@ std::uint32_t frameSeed(std::uint32_t seed, int frame, bool fixed) {
     return fixed ? hash(seed, 0U) : hash(seed, static_cast<std::uint32_t>(frame) + 1U);
 }
 
+Image imageOf(const Film &film, const RenderSettings &render) {
+    return {film.window(), render.width, render.height, film.channelNames(), film.resolve()};
+}
+
 FrameResult renderFrame(const RenderScene &scene, const FrameOptions &options) {
     const auto start = Clock::now();
     FrameOptions told = options;

@@ -7,6 +7,7 @@
 /// films that are merged. The one exception is a limit in seconds, which decides how many samples there are.
 
 #include "taut/render/film.h"
+#include "taut/render/image_file.h"
 #include "taut/render/integrator.h"
 
 #include <functional>
@@ -96,5 +97,8 @@ std::uint32_t frameSeed(std::uint32_t seed, int frame, bool fixed);
 
 /// A frame from its first sample to its last.
 FrameResult renderFrame(const RenderScene &scene, const FrameOptions &options);
+
+/// The means of a film as an image in the scene's frame.
+Image imageOf(const Film &film, const RenderSettings &render);
 
 } // namespace taut

@@ -21,7 +21,7 @@ struct Image {
 };
 
 /// Writes by extension: .exr (all channels, float, zip) or .png (the first three channels, 8 bit sRGB). Throws RunError.
-void writeImage(const std::string &path, const Image &image, const Metadata &metadata);
+void writeImage(const std::string &path, const Image &image, const Metadata &metadata = {});
 
 /// Reads an image, all channels as float. Throws InputError.
 Image readImage(const std::string &path);

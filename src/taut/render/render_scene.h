@@ -35,6 +35,10 @@ class RenderScene {
     /// is: after setLight() or setMaterial() nothing moves, after setPoints() that object alone; objects with a point source are always
     /// asked anew, for their caller may have written into his arrays.
     void setFrame(double frame, StageTimes &times);
+    void setFrame(double frame) {
+        StageTimes times;
+        setFrame(frame, times);
+    }
 
     // --- changes between two frames: taken in by the next setFrame(), topology is not built again. Throw InputError for an index that is
     // none. A FrameRender made before a change must not go on after it.
