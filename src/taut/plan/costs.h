@@ -1,8 +1,9 @@
 #pragma once
 /// What choices cost: times that were measured once, on one machine, so that a plan depends on the scene alone and never on a clock.
 ///
-/// The machine: two cores of a server processor at 2.5 GHz with AVX-512 and much cache, GCC 12, Release. To measure one again, draw the
-/// chart that is named (`taut chart NAME`) on a quiet machine and read the number off its CSV.
+/// The machine: two cores of a server processor at 2.5 GHz with AVX-512 and much cache, GCC 12, Release. To measure again, draw the
+/// charts that are named (`taut chart NAME`) on a quiet machine and read their CSV: decisions weigh ratios, so what matters is that all
+/// of a question's costs come from one machine.
 ///
 /// What they can do to a picture: very little. A question's choices stand in a fixed order, cheapest first, and the tolerance is one of
 /// error, so most costs are printed and decide nothing. Two decisions weigh times: whether the compensation is offered beside the walk,
@@ -11,7 +12,8 @@
 
 namespace taut {
 
-/// Chart `bvh`, one thread at a time for updates and all threads for rays; a build is one of medium quality.
+/// Both cores together; chart `bvh` draws the same on one thread, where updates and rays take about twice as long. A build is one of
+/// medium quality.
 struct BvhCosts {
     double refit = 22e-9;     ///< s a triangle
     double build = 230e-9;    ///< s a triangle, beyond a refit
@@ -21,7 +23,8 @@ struct BvhCosts {
 };
 
 struct PlanCosts {
-    // ns a hit, M made from what a vertex holds and interpolated: chart `interpolation`, time a hit. Printed only.
+    // ns a hit, to have M from what a mesh holds: an early bench of sampling and surfaces. The nearest of today is chart
+    // `interpolation`, time a hit. Printed only.
     float uniform = 9;
     float face = 11;
     float vertex = 16;
