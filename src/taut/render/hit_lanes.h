@@ -1,6 +1,7 @@
 #pragma once
 /// Shading of many hits at once, structure of arrays: what hits on one plain material need, in loops that the compiler vectorises
-/// (base/instructions.h). The formulas are those of hits one by one, by the same functions, so the bits are the same.
+/// (base/instructions.h). The formulas are those of hits one by one, by the same functions, and no compiler may fuse or reorder their
+/// sums (-ffp-contract=off, no fast math): the bits are the same, to which a test holds whole pictures.
 ///
 /// A material is plain where nothing but V and the frame changes from hit to hit: a kind that lanes shade (bsdf_table.h) with single
 /// scattering; no textures, Poisson's ratio 0. A mesh is plain where it does not emit, lean or move while the shutter is open and V is
