@@ -228,4 +228,12 @@ TEST_CASE("changes between two frames give the picture of a scene made so, and m
     CHECK_THROWS_WITH(ready.setPoints(2, nullptr), Catch::Contains("found object 2"));
     CHECK_THROWS_WITH(ready.setPoints(1, scene.objects[0].points), Catch::Contains("rigid"));
     CHECK_THROWS_WITH(ready.setPoints(0, pointFunction(5, [](double, std::span<Vec3>) {})), Catch::Contains("found 5 points"));
+    // A value that makes the scene none is refused, and the old one stays.
+    Material wrong = scene.materials[0];
+    wrong.alphaX.value = -1;
+    CHECK_THROWS_WITH(ready.setMaterial(0, wrong), Catch::Contains("alphaX: found -1"));
+    Camera blind = scene.camera;
+    blind.position = blind.lookAt;
+    CHECK_THROWS_WITH(ready.setCamera(blind), Catch::Contains("position equal to look_at"));
+    CHECK(pictureOf(ready, 2) == last);
 }

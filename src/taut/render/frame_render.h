@@ -18,17 +18,17 @@
 namespace taut {
 
 struct FrameOptions {
-    int spp = 64;                  ///< samples a pixel; the upper bound where `seconds` or `noise` are given
-    int firstSample = 0;           ///< number of the first of them: films of samples [0, n) and [n, m) merge into one of [0, m)
-    std::optional<double> seconds; ///< of renderFrame: stop after the pass in which this much time is over
-    std::optional<double> noise;   ///< adaptive sampling to this relative noise (adaptive.h); firstSample is 0 then
-    Window window;                 ///< pixels to render; empty: the whole frame
-    std::vector<Aov> aovs;
+    int spp = 64;                    ///< samples a pixel; the upper bound where `seconds` or `noise` are given
+    int firstSample = 0;             ///< number of the first of them: films of samples [0, n) and [n, m) merge into one of [0, m)
+    std::optional<double> seconds{}; ///< of renderFrame: stop after the pass in which this much time is over
+    std::optional<double> noise{};   ///< adaptive sampling to this relative noise (adaptive.h); firstSample is 0 then
+    Window window{};                 ///< pixels to render; empty: the whole frame
+    std::vector<Aov> aovs{};
     std::uint32_t seed = 0; ///< of this frame, already decorrelated (frameSeed)
     RayRecord *record = nullptr;
     bool oneByOne = false; ///< as in TraceSettings
     /// Told the share done in [0, 1] from time to time, by one thread at a time, while the others go on; false stops.
-    std::function<bool(double)> progress;
+    std::function<bool(double)> progress{};
 };
 
 /// How far advance() goes. Nothing given: to the end.

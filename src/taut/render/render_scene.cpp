@@ -102,7 +102,10 @@ void RenderScene::setFrame(double frame, StageTimes &times) {
     moveCamera(frame, renderFromWorld);
     for (Index i = 0; i < objects_.size(); ++i) {
         RenderObject &object = objects_[i];
-        if (stands && changed_[i] == 0 && !object.object->points) continue;
+        if (stands && changed_[i] == 0 && !object.object->points) {
+            object.moved = false;
+            continue;
+        }
         changed_[i] = 0;
         bool moved = false;
         const std::size_t shutterTimes = std::max(object.steps.size(), object.placements.size());
@@ -146,31 +149,39 @@ template <class T> T &entryOf(std::vector<T> &values, Index index, const char *w
     return values[index];
 }
 
+/// Gives a part of the scene its new value, if the scene still is one then.
+template <class T> void replace(const Scene &scene, T &part, T value) {
+    std::swap(part, value);
+    try {
+        check(scene);
+    } catch (...) {
+        std::swap(part, value);
+        throw;
+    }
+}
+
 } // namespace
 
 void RenderScene::setCamera(Camera camera) {
-    scene_.camera = std::move(camera);
+    replace(scene_, scene_.camera, std::move(camera));
 }
 
 void RenderScene::setMaterial(Index material, Material value) {
-    entryOf(scene_.materials, material, "material") = std::move(value);
+    replace(scene_, entryOf(scene_.materials, material, "material"), std::move(value));
     plan_.materials[material] = {};
     for (RenderObject &object : objects_)
         if (!object.storedPoisson.empty()) object.storedPoisson = poissonOfVertices(scene_, object);
 }
 
 void RenderScene::setLight(Index light, Light value) {
-    entryOf(scene_.lights, light, "light") = std::move(value);
+    replace(scene_, entryOf(scene_.lights, light, "light"), std::move(value));
 }
 
 void RenderScene::setPoints(Index object, std::shared_ptr<const PointSource> points) {
     Object &entry = entryOf(scene_.objects, object, "object");
     if (objects_[object].rigid)
         throw InputError("object " + quoted(entry.name) + ": found new points, expected none for an object that was made rigid");
-    if (points && points->points() != entry.mesh->positions.size())
-        throw InputError("object " + quoted(entry.name) + ": found " + std::to_string(points->points()) + " points, expected " +
-                         std::to_string(entry.mesh->positions.size()) + " as in its mesh");
-    entry.points = std::move(points);
+    replace(scene_, entry.points, std::move(points));
     changed_[object] = 1;
 }
 

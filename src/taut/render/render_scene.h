@@ -41,7 +41,7 @@ class RenderScene {
     }
 
     // --- changes between two frames: taken in by the next setFrame(), topology is not built again. Throw InputError for an index that is
-    // none. A FrameRender made before a change must not go on after it.
+    // none or a value that makes the scene none (check_scene.h), and leave things as they were. A FrameRender made before a change must not go on after it.
     void setCamera(Camera camera);
     /// The plan's choice for the old material is dropped: each hit chooses by its M.
     void setMaterial(Index material, Material value);
