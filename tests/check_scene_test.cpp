@@ -70,7 +70,8 @@ Scene soundScene() {
     scene.materials[0].name = "foil";
     scene.textures.push_back({"grey", 2, 1, 1, true, true, {0.25F, 0.5F}});
     scene.materials[0].rotation = {3, 0, 0};
-    for (const LightShape &shape : {LightShape(SphereLight()), LightShape(DirectionalLight()), LightShape(PointLight()), LightShape(SpotLight())}) {
+    for (const LightShape &shape :
+         {LightShape(SphereLight()), LightShape(DirectionalLight()), LightShape(PointLight()), LightShape(SpotLight())}) {
         scene.lights.emplace_back();
         scene.lights.back().shape = shape;
     }
@@ -119,13 +120,17 @@ const std::vector<Wrong> kWrongViews{
      },
      "found frame 2, expected a frame after 2"},
     {[](Scene &s) { s.camera.rig = RigMotion{}; }, "camera.rig.rig: found none"},
-    {[](Scene &s) { std::get<QuadLight>(s.lights[0].shape).v = 2.0 * std::get<QuadLight>(s.lights[0].shape).u; }, "lights[0]: found u and v along one line, expected two edges of a quad"},
+    {[](Scene &s) { std::get<QuadLight>(s.lights[0].shape).v = 2.0 * std::get<QuadLight>(s.lights[0].shape).u; },
+     "lights[0]: found u and v along one line, expected two edges of a quad"},
     {[](Scene &s) { s.lights[0].radiance.y = -1; }, "lights[0].radiance: found -1, expected a number of at least 0"},
     {[](Scene &s) { std::get<SphereLight>(s.lights[1].shape).radius = 0; }, "lights[1].radius: found 0, expected a number above 0"},
-    {[](Scene &s) { std::get<SphereLight>(s.lights[1].shape).centre.x = kInfinity; }, "lights[1].centre: found inf, expected a finite number"},
-    {[](Scene &s) { std::get<DirectionalLight>(s.lights[2].shape).direction = DVec3(0, 0, 2); }, "lights[2].direction: found another length, expected a vector of length 1"},
+    {[](Scene &s) { std::get<SphereLight>(s.lights[1].shape).centre.x = kInfinity; },
+     "lights[1].centre: found inf, expected a finite number"},
+    {[](Scene &s) { std::get<DirectionalLight>(s.lights[2].shape).direction = DVec3(0, 0, 2); },
+     "lights[2].direction: found another length, expected a vector of length 1"},
     {[](Scene &s) { std::get<SpotLight>(s.lights[4].shape).innerAngle = 0.8; }, "lights[4]: found inner_deg not below outer_deg"},
-    {[](Scene &s) { std::get<SpotLight>(s.lights[4].shape).outerAngle = 2; }, "lights[4].outer_deg: found 114.592, expected a number in [0, 90] degrees"},
+    {[](Scene &s) { std::get<SpotLight>(s.lights[4].shape).outerAngle = 2; },
+     "lights[4].outer_deg: found 114.592, expected a number in [0, 90] degrees"},
     {[](Scene &s) { s.environment->texels[5].y = -1; }, "environment.texels: found a radiance that is negative or not finite in element 5"},
     {[](Scene &s) { s.environment->texels.pop_back(); }, "environment.texels: found "},
     {[](Scene &s) { s.environment->guide.clear(); }, "environment.table: found no tables for sampling"},

@@ -1,5 +1,6 @@
 # Installs a build to a scratch prefix and uses it from there, as another project would:
 #   cmake -D BUILD=build/release -D SCRATCH=folder -D CONSUMER=tests/consumer -D COMPILER=c++ -D README=README.md [-D FLAGS=...] -P install_test.cmake
+cmake_minimum_required(VERSION 3.25)
 foreach(argument BUILD SCRATCH CONSUMER COMPILER README)
     if(NOT ${argument})
         message(FATAL_ERROR "-D ${argument}=... is missing")

@@ -94,6 +94,7 @@ TEST_CASE("taut info prints the questions of a plan with what they lose and cost
           "    multiscatter: walk (predicted error 0, 1.17e+03 ns a hit at equal noise); next cheaper: compensation where M asks for it "
           "(predicted error 0.11, 240 ns a hit at equal noise)\n"
           "  plate: 2048 triangles, 1089 render vertices\n"
+          "    1 components, 1 boundary loops, 0 edges of more than two faces\n"
           "    stretch 0.5662 to 1.766, shear up to 1.2, at most 0 collapsed vertices and 0 folded triangles\n"
           "    alpha 0.05662 to 0.7065\n"
           "    plan: M uniform, gradient analytic, interpolation stretch\n"

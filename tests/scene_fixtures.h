@@ -76,6 +76,7 @@ inline std::string sceneFolder(const std::string &name) {
     const std::string folder = outputFolder(name);
     writeTo(folder, "panel.obj", quadObj());
     writeTo(folder, "parts.obj", quadObj(0, true));
+    writeTo(folder, "triangles.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n");
     for (const int frame : {1, 2, 5}) writeTo(folder, "cloth.000" + std::to_string(frame) + ".obj", quadObj(static_cast<float>(frame)));
     writeTo(folder, "figure.glb", triangleGltf().glb());
     writeImage(folder, "brushed.png", 2, 2, 3, {0, 0.25F, 0.5F, 1, 1, 1, 0.5F, 0.5F, 0.5F, 0, 0, 0});
