@@ -23,20 +23,16 @@ class ExactSum {
     /// NaN adds nothing; an infinity holds the sum at its limit.
     constexpr void add(float x) {
         const auto bits = std::bit_cast<std::uint32_t>(x);
+        // |x| = significand 2^(exponent - 150).
         const int exponent = static_cast<int>(bits >> 23U & 0xffU);
-        const std::uint32_t fraction = bits & 0x7fffffU;
-        if (exponent == 0xff && fraction != 0) return;
-        // |x| = significand 2^(exponent - 150); of subnormal numbers not a bit is left.
         const int shift = exponent - 150 + 64;
-        const Int128 significand = exponent == 0 ? 0 : static_cast<Int128>(fraction | 0x800000U);
-        Int128 units = 0;
-        if (shift > kHighestShift)
-            units = kLimit;
-        else if (shift >= 0)
-            units = significand << shift;
-        else if (shift >= -25)
-            units = (significand + (Int128{1} << (-shift - 1))) >> -shift;
-        addUnits((bits >> 31U) != 0 ? -units : units);
+        // What light mostly is, far from the limit: neither rounded nor held.
+        if (static_cast<unsigned>(shift) < 64U && static_cast<std::uint64_t>(high() + kFar) < 2 * static_cast<std::uint64_t>(kFar)) {
+            const Int128 units = static_cast<Int128>((bits & 0x7fffffU) | 0x800000U) << shift;
+            value_ += (bits >> 31U) != 0 ? -units : units;
+        } else if ((bits & 0x7fffffffU) != 0) {
+            addSeldom(bits, exponent, shift);
+        }
     }
     constexpr void add(const ExactSum &other) { addUnits(other.value_); }
 
@@ -51,7 +47,22 @@ class ExactSum {
   private:
     static constexpr Int128 kLimit =
         (Int128{std::numeric_limits<std::int64_t>::max()} << 64) | Int128{std::numeric_limits<std::uint64_t>::max()};
-    static constexpr int kHighestShift = 127 - 24 - 1; ///< of 24 bits that stay within the limit
+    static constexpr int kHighestShift = 127 - 24 - 1;          ///< of 24 bits that stay within the limit
+    static constexpr std::int64_t kFar = std::int64_t{1} << 62; ///< high words below it are far from the limit
+
+    constexpr void addSeldom(std::uint32_t bits, int exponent, int shift) {
+        const std::uint32_t fraction = bits & 0x7fffffU;
+        if (exponent == 0xff && fraction != 0) return;
+        const Int128 significand = exponent == 0 ? 0 : static_cast<Int128>(fraction | 0x800000U); // of subnormal numbers not a bit is left
+        Int128 units = 0;
+        if (shift > kHighestShift)
+            units = kLimit;
+        else if (shift >= 0)
+            units = significand << shift;
+        else if (shift >= -25)
+            units = (significand + (Int128{1} << (-shift - 1))) >> -shift;
+        addUnits((bits >> 31U) != 0 ? -units : units);
+    }
 
     constexpr void addUnits(Int128 units) {
         Int128 sum = 0;
