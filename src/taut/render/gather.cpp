@@ -33,7 +33,7 @@ void PathTracer::State::prefetch(std::size_t i) const {
 /// What lane `lane` needs of hit i.
 void PathTracer::State::gather(std::size_t lane, std::size_t i) {
     HitLanes &l = *lanes;
-    const HitCorners corners(scene.objects()[scene.objectOfGeometry(hits[i].geometry)], hits[i], 0);
+    const HitCorners<true> corners(scene.objects()[scene.objectOfGeometry(hits[i].geometry)], hits[i], 0);
     const InterpolatedSurface p = corners.surface();
     l.position.set(lane, p.position);
     l.e1.set(lane, p.e1);

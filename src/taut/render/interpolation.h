@@ -18,13 +18,14 @@ inline void place(InterpolatedSurface &point, const Affine &renderFromLocal) {
     point.corners += extentOf(renderFromLocal[3]);
 }
 
-/// The corners of a hit's triangle at one time: between two steps of the shutter where there are several.
-class HitCorners {
+/// The corners of a hit's triangle at one time: between two steps of the shutter where there are several. kStill: there is one, which
+/// saves a question for each value.
+template <bool kStill> class HitCorners {
   public:
     HitCorners(const RenderObject &object, const Hit &hit, float time)
         : object_(object), corners_(object.surface.triangles[hit.primitive]), triangle_(hit.primitive),
           barycentrics_(1 - hit.u - hit.v, hit.u, hit.v), time_(time), first_(object.steps.data()) {
-        if (object.steps.size() == 1) return;
+        if (kStill || object.steps.size() == 1) return;
         const std::size_t last = object.steps.size() - 1;
         const float at = time * static_cast<float>(last);
         const std::size_t before = std::min(static_cast<std::size_t>(at), last - 1);
@@ -44,7 +45,7 @@ class HitCorners {
     }
 
     /// In render space.
-    [[nodiscard]] InterpolatedSurface surface() const {
+    [[nodiscard, gnu::always_inline]] InterpolatedSurface surface() const {
         const Vec3 p0 = at(&SurfaceStep::positions, corners_.x);
         const Vec3 p1 = at(&SurfaceStep::positions, corners_.y);
         const Vec3 p2 = at(&SurfaceStep::positions, corners_.z);
@@ -55,14 +56,14 @@ class HitCorners {
         p.normal = interpolate(&SurfaceStep::normals);
         p.tangent = interpolate(&SurfaceStep::tangents);
         p.corners = std::max(extentOf(p0), std::max(extentOf(p1), extentOf(p2)));
-        if (object_.instanced) place(p, affineAt(object_.placements, time_));
+        if (object_.instanced) place(p, kStill ? object_.placements.front() : affineAt(object_.placements, time_));
         return p;
     }
 
     /// Whether V is one tensor for the triangle, as it is; else it is interpolated in the form of the object's scheme.
     [[nodiscard]] bool stretchIsConstant() const { return object_.stretchOnFaces() || first_->stretch.size() == 1; }
     /// V, where the step has it.
-    [[nodiscard]] SymmetricTensor stretch() const {
+    [[nodiscard, gnu::always_inline]] SymmetricTensor stretch() const {
         if (first_->stretch.size() == 1) return at(&SurfaceStep::stretch, 0);
         return object_.stretchOnFaces() ? at(&SurfaceStep::stretch, triangle_) : interpolate(&SurfaceStep::stretch);
     }
@@ -70,7 +71,7 @@ class HitCorners {
   private:
     template <class T> [[nodiscard]] T at(std::vector<T> SurfaceStep::*values, Index i) const {
         const T &a = (first_->*values)[i];
-        return second_ == nullptr ? a : mix(a, (second_->*values)[i]);
+        return kStill || second_ == nullptr ? a : mix(a, (second_->*values)[i]);
     }
     template <class T> [[nodiscard]] T weighted(const T &x, const T &y, const T &z) const {
         return x * barycentrics_.x + y * barycentrics_.y + z * barycentrics_.z;

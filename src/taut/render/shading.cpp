@@ -28,7 +28,7 @@ Bsdf bsdfAt(const PreparedMaterial &prepared, const Scene &scene, const SurfaceP
 }
 
 /// V, the rotated tangent and the lean at the point, in its frame.
-void deformationAt(const RenderObject &object, const HitCorners &corners, SurfacePoint &point) {
+void deformationAt(const RenderObject &object, const HitCorners<false> &corners, SurfacePoint &point) {
     const SurfaceStep &step = corners.step();
     const Vec3 &s = point.frame.s;
     const Vec3 &t = point.frame.t;
@@ -76,7 +76,7 @@ SurfacePoint surfacePointAt(const RenderScene &scene, const std::vector<Prepared
     SurfacePoint point;
     const RenderObject &object = scene.objects()[scene.objectOfGeometry(hit.geometry)];
     const Surface &surface = object.surface;
-    const HitCorners corners(object, hit, time);
+    const HitCorners<false> corners(object, hit, time);
     const Index3 t = corners.corners();
     const Vec3 b = corners.barycentrics();
     point.object = &object;
