@@ -44,9 +44,10 @@ void PathTracer::State::shadeAll(int event, const std::vector<Aov> &wanted, int 
     stillActive.clear();
     shadowRays.clear();
     shadowTests.clear();
+    const bool lightsMayBeMet = !scene.lights().parts.empty();
     for (std::size_t i = 0; i < active.size(); ++i) {
         Path &path = paths[active[i]];
-        if (meetLights(path, rays[i], hits[i].t)) continue;
+        if (lightsMayBeMet && meetLights(path, rays[i], hits[i].t)) continue;
         if (hits[i].geometry == kNone)
             escape(i);
         else if (!waits(event, i, aovChannels))
