@@ -18,6 +18,14 @@ inline std::optional<std::string> asset(const std::string &name) {
     return std::nullopt;
 }
 
+/// An input after a public bug report, by its name in the folder of cases; skipped like an asset.
+inline std::optional<std::string> caseFile(const std::string &name) {
+    const std::filesystem::path path = std::filesystem::path(TAUT_CASES) / name;
+    if (std::filesystem::exists(path)) return path.string();
+    std::cout << "SKIPPED: case " << name << " is not on this machine" << std::endl;
+    return std::nullopt;
+}
+
 /// A folder for what a test writes; made on first use.
 inline std::string outputFolder(const std::string &name) {
     const std::filesystem::path path = std::filesystem::path(TAUT_TEST_OUTPUT) / name;
