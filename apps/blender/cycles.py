@@ -2,7 +2,7 @@
 
     blender -b -noaudio --factory-startup --python-exit-code 1 --python cycles.py -- serve SCENE.json
     blender ... -- render SCENE.toml FRAME SPP OUT.exr FILE...
-    blender ... -- compare REFERENCE.exr OUT.png NAME=IMAGE.exr...
+    blender ... -- compare REFERENCE.exr OUT.png NAME=IMAGE.exr... [materials=NUMBERS.exr:NAME,...]
 
 serve, for taut_bench and taut chart: builds a scene once, then renders what it is asked for. SCENE.json and the binary meshes beside it
 are written by them (apps/study/measures/cycles_peer.cpp says what is in them). Requests come on standard input, one JSON object a line:
@@ -17,7 +17,7 @@ camera and lights of a Taut scene. Of the scene file it reads [render] width hei
 compare: relMSE = mean over the pixels that the reference or the image lights, and channels, of
 (image - reference)^2 / (reference^2 + 0.01 mean(reference)^2), also after a 4 x 4 box filter, which noise hardly touches. OUT.png: the
 reference, then for each image the image itself and under it its difference, grey 0.5 + 2 (image - reference) / scale, where scale is
-the 99th percentile of the reference.
+the 99th percentile of the reference. With materials: the mean colour of each one's pixels as a ratio.
 
 Whatever trades truth for speed is off: no clamps, no blurred gloss, no light threshold, no adaptive sampling, no denoising, no
 Russian roulette. Dictionaries have the keys of a scene file (docs/scene.md).
@@ -290,15 +290,31 @@ def save(path, picture):
     image.save()
 
 
+def print_materials(name, image, reference, word):
+    """Of each material of FILE:NAME,NAME...: its pixels, whose number in the file's red is theirs, and the ratio of mean colours."""
+    file, names = word.split(":", 1)
+    numbers = load(file)[..., 0]
+    for number, material in enumerate(names.split(","), 1):
+        pixels = numpy.abs(numbers - number) < 1e-3
+        if pixels.any():
+            ratio = image[pixels].mean(0) / numpy.maximum(reference[pixels].mean(0), 1e-9)
+            print(f"material {material}: {pixels.sum()} pixels, {name} / reference", *(f"{r:.3f}" for r in ratio))
+
+
 def compare(path, output, *images):
     reference = load(path)
     scale = numpy.percentile(reference, 99)
     columns = [numpy.concatenate([numpy.full_like(reference, 0.05), reference / scale], 0)]  # rows run upwards
+    materials = next((word.split("=", 1)[1] for word in images if word.startswith("materials=")), None)
     for word in images:
         name, file = word.split("=", 1)
+        if name == "materials":
+            continue
         image = load(file)
         assert image.shape == reference.shape, (name, image.shape, reference.shape)
         print(f"relMSE {name} {relative_error(image, reference):.6g} filtered {relative_error(box(image), box(reference)):.6g}")
+        if materials:
+            print_materials(name, image, reference, materials)
         difference = 0.5 + 2 * (image - reference) / scale
         grey = numpy.clip(difference, 0, 1) ** 2.2  # so that 0.5 is mid grey on screen
         columns.append(numpy.concatenate([grey, image / scale], 0))
@@ -310,4 +326,5 @@ def main():
     {"serve": serve, "render": render, "compare": compare}[way](*words)
 
 
-main()
+if __name__ == "__main__":
+    main()
