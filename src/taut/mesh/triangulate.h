@@ -1,6 +1,6 @@
 #pragma once
 /// Splits polygons into triangles, once, on the rest shape: a quad along the diagonal that leaves two convex halves (the
-/// shorter one where both do), larger polygons by clipping ears in the plane of their Newell normal.
+/// shorter one where both do), larger polygons by clipping ears in the plane of their Newell normal, the largest first, in n log n.
 
 #include "taut/base/vec.h"
 
