@@ -63,6 +63,30 @@ inline SurfaceFrame surfaceOf(const Object &object, double frame, double fps = 2
     return surface.frame;
 }
 
+/// The object with its points taken through a linear map: the largest difference of the metric that its surface vertices find from
+/// the map's own in their tangent planes.
+inline float linearError(Object object, const DMat3 &linear) {
+    std::vector<Vec3> points;
+    for (const Vec3 &p : object.mesh->positions) points.emplace_back(linear * DVec3(p));
+    object.points = pointFrames({std::span<const Vec3>(points)});
+    ObjectSurface surface;
+    prepareObjectSurface(object, 24, surface);
+    double ignored = 0;
+    surfaceAtFrame(surface, 1, 24, DMat4(1), ignored, ignored);
+    double error = 0;
+    for (std::size_t s = 0; s < surface.surface.normals.size(); ++s) {
+        const Frame frame = surface.surface.frameAt(s);
+        const DVec3 e1 = linear * DVec3(frame.s);
+        const DVec3 e2 = linear * DVec3(frame.t);
+        const DVec3 f1(surface.gradient.f1[s]);
+        const DVec3 f2(surface.gradient.f2[s]);
+        const DVec3 difference(glm::dot(f1, f1) - glm::dot(e1, e1), glm::dot(f1, f2) - glm::dot(e1, e2),
+                               glm::dot(f2, f2) - glm::dot(e2, e2));
+        error = std::max(error, glm::length(difference));
+    }
+    return static_cast<float>(error);
+}
+
 /// Renders one frame; interleaved channels of film.resolve().
 inline std::vector<float> renderImage(const Scene &scene, double frame, int spp, const std::vector<std::string_view> &aovs = {},
                                       std::uint32_t seed = 1) {

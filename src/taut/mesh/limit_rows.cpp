@@ -27,6 +27,8 @@ using PrimvarRefiner = Far::PrimvarRefinerReal<double>;
 
 /// Tangents whose sine is less than this span no plane.
 constexpr double kLeastSine = 1e-5;
+/// A corner whose edges' plane stands steeper on its faces than this cosine is nearly straight: the plane is that of chance.
+constexpr double kLeastFacing = 0.25;
 
 /// A sparse row of weights of the cage's points under construction, as a sum over refined vertices.
 template <std::size_t N> class Row {
@@ -198,9 +200,12 @@ template <Sdc::SchemeType kScheme> class TangentRows {
   private:
     /// One normal and one row of tangents, for the corners of a sector.
     void addSector(int v, const Sector &sector) {
+        DVec3 faces(0);
+        for (const int i : sector.faces) faces += weightedCornerNormal(v, i);
         DVec3 normal(0);
+        const bool corner = level_.GetVertexRule(v) == Sdc::Crease::RULE_CORNER;
         // A sharp vertex in the middle of smooth faces is the tip of a cone.
-        if (sector.hasEnds || level_.GetVertexRule(v) != Sdc::Crease::RULE_CORNER) {
+        if (sector.hasEnds || !corner) {
             addTangents(v, sector);
             const std::size_t begin = out_.tangents.indices.size();
             DVec3 t1(0);
@@ -212,15 +217,29 @@ template <Sdc::SchemeType kScheme> class TangentRows {
                 out_.tangents.weights.emplace_back(static_cast<float>(w[0]), static_cast<float>(w[1]));
             });
             normal = glm::cross(t1, t2);
-            if (!(glm::length(normal) > kLeastSine * glm::length(t1) * glm::length(t2))) {
+            bool spans = glm::length(normal) > kLeastSine * glm::length(t1) * glm::length(t2);
+            if (corner && spans) spans = turnOutward(faces, begin, normal);
+            if (!spans) {
                 normal = DVec3(0);
                 out_.tangents.indices.resize(begin);
                 out_.tangents.weights.resize(begin);
             }
         }
-        if (normal == DVec3(0))
-            for (const int i : sector.faces) normal += weightedCornerNormal(v, i);
-        assignNormal(v, sector.faces, normal);
+        assignNormal(v, sector.faces, normal == DVec3(0) ? faces : normal);
+    }
+
+    /// The tangents of a corner are its two edges, counter-clockwise as long as they enclose less than pi. At a reflex corner they
+    /// are clockwise and change places. False where their plane is not that of the faces between them.
+    bool turnOutward(const DVec3 &faces, std::size_t begin, DVec3 &normal) {
+        const double size = glm::length(faces) * glm::length(normal);
+        if (!(size > 0)) return true; // the faces have collapsed
+        const double facing = glm::dot(normal, faces) / size;
+        if (facing < 0) {
+            normal = -normal;
+            for (std::size_t k = begin; k < out_.tangents.weights.size(); ++k)
+                std::swap(out_.tangents.weights[k].x, out_.tangents.weights[k].y);
+        }
+        return std::fabs(facing) > kLeastFacing;
     }
 
     void addTangents(int v, const Sector &sector) {
