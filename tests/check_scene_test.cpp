@@ -186,7 +186,7 @@ const std::vector<Wrong> kWrongObjects{
     {[](Scene &s) { s.objects[2].subdivision.level = 7; }, "subdivision.level: found 7, expected an integer in [0, 6]"},
     {[](Scene &s) { s.objects[2].subdivision.creaseAngle = 4; }, "subdivision.creaseAngle: found 229.183"},
     {[](Scene &s) { s.objects[2].subdivision.scheme = SubdivisionScheme::Loop; },
-     "subdivision.scheme: found a face with more than three corners, expected triangles for the scheme \"loop\""},
+     "subdivision.scheme: found face 0 with 4 corners, expected triangles for the scheme \"loop\""},
     {[](Scene &s) { s.objects[2].gradient = GradientEstimator::Analytic; },
      "gradient: found 'analytic', expected 'limit' or one of the fits"},
     {[](Scene &s) { s.objects[1].gradient = GradientEstimator::Limit; }, "gradient: found 'limit', expected 'analytic' or one of the fits"},

@@ -329,7 +329,7 @@ TEST_CASE("Loop's scheme wants triangles", "[limit]") {
     try {
         subdivide(cube(), {.level = 1, .scheme = SubdivisionScheme::Loop});
         FAIL("quads were taken");
-    } catch (const RunError &error) {
+    } catch (const InputError &error) {
         CHECK(std::string(error.what()).find("expected triangles") != std::string::npos);
     }
 }

@@ -299,7 +299,7 @@ TEST_CASE("What can't be subdivided is said in one line with the mesh's name", "
     const auto messageOf = [](const Mesh &cage, int level) {
         try {
             subdivide(cage, {.level = level});
-        } catch (const RunError &error) {
+        } catch (const InputError &error) {
             return std::string(error.what());
         }
         return std::string();

@@ -68,7 +68,7 @@ class FarMessages {
 };
 
 [[noreturn]] void fail(const Mesh &cage, const std::string &reason) {
-    throw RunError("can't subdivide mesh " + quoted(cage.name) + ": " + reason);
+    throw InputError("can't subdivide mesh " + quoted(cage.name) + ": " + reason);
 }
 
 /// About how many weights the rows will hold. Around a face of n corners some n * 4^(level - 1) refined vertices depend on
@@ -204,8 +204,9 @@ RefinerPointer makeRefiner(const Mesh &cage, const CageFaces &faces, const Subdi
                                                                                         : Sdc::Options::VTX_BOUNDARY_EDGE_AND_CORNER);
     rules.SetFVarLinearInterpolation(Sdc::Options::FVAR_LINEAR_CORNERS_ONLY);
     const bool loop = options.scheme == SubdivisionScheme::Loop;
-    if (loop && std::any_of(faces.sizes.begin(), faces.sizes.end(), [](int size) { return size != 3; }))
-        fail(cage, "found a face with more than three corners, expected triangles for the scheme \"loop\"");
+    if (const auto other = std::find_if(faces.sizes.begin(), faces.sizes.end(), [](int size) { return size != 3; });
+        loop && other != faces.sizes.end())
+        fail(cage, "found a face with " + std::to_string(*other) + " corners, expected triangles for the scheme \"loop\"");
     using Factory = Far::TopologyRefinerFactory<Far::TopologyDescriptor>;
     const FarMessages messages;
     RefinerPointer refiner(Factory::Create(topology, Factory::Options(loop ? Sdc::SCHEME_LOOP : Sdc::SCHEME_CATMARK, rules)));

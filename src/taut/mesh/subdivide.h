@@ -64,7 +64,7 @@ inline constexpr int kReferenceLevel = kMaxSubdivisionLevel + 1;
 /// A corner that repeats its neighbour's position is left out, and a face with fewer than three corners left.
 /// Morphs and the skin stay with the cage: it is deformed first, then put through the stencils. File normals and tangents
 /// are dropped. Level 0 returns the cage as it is, with identity rows (no limit projection).
-/// Throws RunError naming the mesh where the level is out of range, the refined mesh would be too large, Loop meets a face that
+/// Throws InputError naming the mesh where the level is out of range, the refined mesh would be too large, Loop meets a face that
 /// is no triangle, or OpenSubdiv rejects the topology (a face that comes back to one of its positions).
 Subdivision subdivide(const Mesh &cage, const SubdivisionOptions &options);
 

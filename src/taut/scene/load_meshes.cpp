@@ -147,8 +147,13 @@ void addMesh(LoadContext &context, TableReader &table, const TomlValue &file, Ob
     }
     const TomlValue *material = table.find("material");
     const TomlValue *cache = table.find("cache");
+    const TomlValue *scheme = table.find("scheme");
     table.finish();
     object.mesh = meshFile(context, path);
+    if (std::optional<Mistake> mistake = mistakeInScheme(object)) {
+        mistake->found += " in " + path;
+        failOn(scheme->where, mistake);
+    }
     if (cache != nullptr) object.points = pointCache(context, *cache, *object.mesh, !frames.empty());
     if (!frames.empty()) object.points = sequencePoints(std::move(pattern), std::move(frames), object.mesh);
     object.name = uniqueName(context.objectNames, object.name);

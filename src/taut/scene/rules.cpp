@@ -66,7 +66,9 @@ std::optional<Mistake> mistakeInScheme(const Object &object) {
         Index corners = 0;
         for (Index c = begin; c < end; ++c)
             corners += mesh.cornerPositions[c] != mesh.cornerPositions[c + 1 == end ? begin : c + 1] ? 1 : 0;
-        if (corners > 3) return Mistake{"a face with more than three corners", "triangles for the scheme \"loop\""};
+        if (corners > 3)
+            return Mistake{"face " + std::to_string(f) + " with " + std::to_string(corners) + " corners",
+                           "triangles for the scheme \"loop\""};
     }
     return {};
 }
