@@ -1,10 +1,12 @@
 #include "taut/deform/surface.h"
 
+#include "taut/deform/skin_hinges.h"
 #include "taut/deform/surface_fit.h"
 #include "taut/mesh/triangulate.h"
 #include "taut/mesh/weld.h"
 
 #include <algorithm>
+#include <limits>
 #include <map>
 
 namespace taut {
@@ -15,6 +17,9 @@ namespace {
 constexpr float kSameNormalCosine = 0.99995F;
 /// Tangents on either side of a UV seam within this angle (20 degrees) are one direction that the seam only interrupts.
 constexpr float kSameTangentCosine = 0.94F;
+/// A face lower than this share of its longest edge is a sliver whose normal counts less.
+constexpr float kFlatSliver = 1e-3F;
+constexpr float kTiny = std::numeric_limits<float>::min();
 
 class Builder {
   public:
@@ -59,15 +64,28 @@ class Builder {
         return points;
     }
 
+    /// What a face's normal counts: 1, less for a sliver, whose normal is what rounding left of it and whose angle may be pi.
+    static float normalWeight(std::span<const Vec3> points, float twiceArea) {
+        float longest = 0;
+        for (std::size_t k = 0; k < points.size(); ++k) {
+            const Vec3 edge = points[(k + 1) % points.size()] - points[k];
+            longest = std::max(longest, glm::dot(edge, edge));
+        }
+        return std::min(1.0F, twiceArea / (kFlatSliver * longest + kTiny));
+    }
+
     /// Rest normal of each corner, unit, rest space.
     [[nodiscard]] std::vector<Vec3> cornerNormals() {
         std::vector<Vec3> result(mesh_.cornerCount(), Vec3(0));
         std::vector<Vec3> smooth(mesh_.positions.size(), Vec3(0));
         std::vector<Vec3> faceNormals(mesh_.faceCount());
+        std::vector<float> say(mesh_.faceCount());
         for (std::size_t face = 0; face < mesh_.faceCount(); ++face) {
-            const Vec3 normal = polygonNormal(facePoints(face));
+            const std::vector<Vec3> points = facePoints(face);
+            const Vec3 normal = polygonNormal(points);
             const float length = glm::length(normal);
             faceNormals[face] = length > 0 ? normal / length : Vec3(0);
+            say[face] = normalWeight(points, length);
             if (!(length > 0)) ++surface_.degenerateFaces;
         }
         // Angle-weighted vertex normals (Thuermer & Wuethrich 1998).
@@ -75,7 +93,7 @@ class Builder {
             const Vec3 a = restAt(c.next) - restAt(c.self);
             const Vec3 b = restAt(c.previous) - restAt(c.self);
             const float angle = std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
-            smooth[canonical_[mesh_.cornerPositions[c.self]]] += faceNormals[face] * angle;
+            smooth[canonical_[mesh_.cornerPositions[c.self]]] += faceNormals[face] * (angle * say[face]);
         });
         const Mat3 normalMatrix = glm::transpose(glm::inverse(options_.restFromObject)); // normals are covectors
         forEachCorner([&](std::size_t face, const Corner &c) {
@@ -132,8 +150,11 @@ class Builder {
                 for (Index i = skin.offsets[position]; i < skin.offsets[position + 1]; ++i)
                     sums[skin.joints[i]] += surface_.stencilWeights[k] * skin.weights[i];
             }
+            if (weightJump(surface_, skin, s) > kHingeJump) sums.clear();
+            const std::size_t begin = surface_.weightGradients.size();
             for (const auto &[joint, gradient] : sums) {
-                if (gradient == Vec2(0)) continue;
+                const bool last = joint == sums.rbegin()->first && begin == surface_.weightGradients.size();
+                if (gradient == Vec2(0) && !last) continue; // an empty row says: a hinge
                 surface_.weightGradientJoints.push_back(joint);
                 surface_.weightGradients.push_back(gradient);
             }
@@ -281,17 +302,12 @@ Surface buildSurface(const Mesh &mesh, const SurfaceOptions &options) {
 }
 
 void compact(Surface &surface, bool fits) {
-    if (!fits) {
-        surface.stencilOffsets.clear();
-        surface.stencilPositions.clear();
-        surface.stencilWeights.clear();
-        surface.stencilPoints.clear();
-        surface.slope.clear();
-    }
+    if (!fits) keepHinges(surface);
     const auto shrink = [](auto &...arrays) { (arrays.shrink_to_fit(), ...); };
     shrink(surface.triangles, surface.triangleSlots, surface.vertexSurface, surface.uvs, surface.vertexTangents, surface.frameCoefficients,
            surface.surfacePosition, surface.normals, surface.stencilOffsets, surface.stencilPositions, surface.stencilWeights,
-           surface.stencilPoints, surface.slope, surface.weightGradientOffsets, surface.weightGradientJoints, surface.weightGradients);
+           surface.stencilPoints, surface.slope, surface.ringOffsets, surface.ringFaces, surface.ringTilts, surface.weightGradientOffsets,
+           surface.weightGradientJoints, surface.weightGradients);
 }
 
 } // namespace taut

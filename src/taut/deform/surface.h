@@ -19,15 +19,25 @@
 ///   SmoothFieldNoUv      without UVs (or where the UV map is degenerate) t0 comes from smoothTangentFromNormal: smooth over the
 ///                        sphere of normals but for one point (n = -z).
 ///   SkipDegenerateFace   a face without area has no say in gradients and normals; it is still rendered by its neighbours' data.
-///   RestAtLoneVertex     a surface vertex with only degenerate faces keeps A = identity.
+///                        A sliver, whose height is lost in the rounding of its points, has as little.
+///   RestAtLoneVertex     a surface vertex with only degenerate faces and slivers keeps A = identity.
 
 #include "taut/base/frame.h"
 #include "taut/mesh/subdivide.h"
 
+#include <array>
 #include <span>
 #include <vector>
 
 namespace taut {
+
+/// One face at a vertex, as the triangle of the vertex and its neighbours there: the edges a and b to the neighbours' deformed
+/// points give the images of e1 and e2, a x + b y and a z + b w.
+struct RingFace {
+    std::array<Index, 2> positions; ///< neighbours: the next, the previous one around the face
+    Vec4 fromEdges;
+    float share; ///< of the vertex; they sum to 1
+};
 
 struct Surface {
     // Render vertices.
@@ -51,6 +61,12 @@ struct Surface {
     std::vector<Vec2> stencilWeights;
     std::vector<float> stencilPoints; ///< empty but for a limit surface
     std::vector<Vec2> slope;          ///< [surface vertices]; infinite at lone vertices of a limit surface
+
+    // The faces around a vertex, each laid into its rest tangent plane by a rotation: how far each is stretched, whatever folds
+    // between them, which a fit over all of them can't tell (surface_motion.cpp).
+    std::vector<Index> ringOffsets; ///< [surface vertices + 1]; empty on a limit surface
+    std::vector<RingFace> ringFaces;
+    std::vector<float> ringTilts; ///< [surface vertices] mean of 1 - cos between the faces' normals and the vertex's
 
     // Derivatives of skin weights along e1 and e2 by the same fit: for joint k of surface vertex v.
     std::vector<Index> weightGradientOffsets; ///< [surface vertices + 1]; empty without a skin

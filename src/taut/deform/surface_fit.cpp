@@ -10,6 +10,10 @@ namespace {
 
 /// A fit whose rest tangents come out this short or skewed is no fit.
 constexpr float kLeastFitDeterminant = 0.02F;
+/// Faces lower than this share of their longest edge stretch by what rounding says: where there are no others, none is known.
+constexpr float kLeastHeight = 1e-5F;
+/// By angle, a face lower than this counts less: its stretch across is uncertain, and its angle does not fall with it.
+constexpr float kLowFace = 0.1F;
 
 /// A stencil under construction: a small map from position to the weights of dx/de1 and dx/de2.
 struct Row {
@@ -32,6 +36,7 @@ struct CornerTriangle {
     std::array<Vec3, 3> points;     ///< rest space
     Vec3 normal;                    ///< unit
     float area;
+    float longest2; ///< square of the longest edge
 };
 
 template <class F> void forEachCornerTriangle(const FitInput &input, const Surface &surface, const F &f) {
@@ -41,7 +46,7 @@ template <class F> void forEachCornerTriangle(const FitInput &input, const Surfa
         const Index count = mesh.faceOffsets[face + 1] - begin;
         for (Index k = 0; k < count; ++k) {
             const std::array<Index, 3> corners{begin + k, begin + (k + 1) % count, begin + (k + count - 1) % count};
-            CornerTriangle t{input.cornerSurface[corners[0]], {}, {}, Vec3(0), 0};
+            CornerTriangle t{input.cornerSurface[corners[0]], {}, {}, Vec3(0), 0, 0};
             for (std::size_t i = 0; i < 3; ++i) {
                 const Index position = mesh.cornerPositions[corners[i]];
                 t.positions[i] = input.canonical[position];
@@ -53,19 +58,69 @@ template <class F> void forEachCornerTriangle(const FitInput &input, const Surfa
             if (!(length > 0) || glm::dot(twiceArea, surface.normals[t.surface]) <= 0) continue;
             t.normal = twiceArea / length;
             t.area = 0.5F * length;
+            for (std::size_t i = 0; i < 3; ++i) {
+                const Vec3 edge = t.points[(i + 1) % 3] - t.points[i];
+                t.longest2 = std::max(t.longest2, glm::dot(edge, edge));
+            }
             f(t);
         }
     }
 }
 
+/// What a face counts at its corner.
+float weightOf(const CornerTriangle &t, GradientFit fit) {
+    if (fit != GradientFit::Angle) return t.area;
+    const Vec3 a = t.points[1] - t.points[0];
+    const Vec3 b = t.points[2] - t.points[0];
+    return std::atan2(2 * t.area, glm::dot(a, b)) * std::min(1.0F, 2 * t.area / (kLowFace * t.longest2));
+}
+
+/// The faces around a surface vertex, summed.
+struct RingSum {
+    Index count = 0;
+    float weight = 0;
+    float area = 0;
+    float squares = 0; ///< of longest edges
+    float tilt = 0;    ///< weighted
+
+    /// Stretched as rounding says.
+    [[nodiscard]] bool onlySlivers() const { return 2 * area < kLeastHeight * squares; }
+};
+
+/// A face laid into the tangent plane of its vertex by the shortest rotation between their normals: the inverse of its edges there is
+/// the map from the plane to the deformed face.
+RingFace layOut(const CornerTriangle &t, const Frame &frame, float share) {
+    const DVec3 a(t.points[1] - t.points[0]);
+    const DVec3 b(t.points[2] - t.points[0]);
+    const DVec3 n(frame.n);
+    const DVec3 normal = glm::normalize(glm::cross(a, b));
+    const DVec3 k = glm::cross(normal, n);
+    const double c = glm::dot(normal, n); // > 0
+    const auto laid = [&](const DVec3 &v) {
+        const DVec3 rotated = v * c + glm::cross(k, v) + k * (glm::dot(k, v) / (1 + c)); // Rodrigues
+        return DVec2(glm::dot(rotated, DVec3(frame.s)), glm::dot(rotated, DVec3(frame.t)));
+    };
+    const glm::dmat2 inverse = glm::inverse(glm::dmat2(laid(a), laid(b)));
+    return {{t.positions[1], t.positions[2]}, Vec4(glm::dvec4(inverse[0], inverse[1])), share};
+}
+
+/// The rings of surface vertices that have a stencil.
+void makeRings(const FitInput &input, const SurfaceOptions &options, const std::vector<RingSum> &sums, Surface &surface) {
+    const auto isKnown = [&](std::size_t s) { return surface.stencilOffsets[s] != surface.stencilOffsets[s + 1]; };
+    surface.ringOffsets.assign(sums.size() + 1, 0);
+    for (std::size_t s = 0; s < sums.size(); ++s) surface.ringOffsets[s + 1] = surface.ringOffsets[s] + (isKnown(s) ? sums[s].count : 0);
+    surface.ringFaces.resize(surface.ringOffsets.back());
+    for (const RingSum &sum : sums) surface.ringTilts.push_back(sum.weight > 0 ? sum.tilt / sum.weight : 0.0F);
+    std::vector<Index> next(surface.ringOffsets.begin(), surface.ringOffsets.end() - 1);
+    forEachCornerTriangle(input, surface, [&](const CornerTriangle &t) {
+        if (!isKnown(t.surface)) return;
+        const float share = weightOf(t, options.fit) / sums[t.surface].weight;
+        surface.ringFaces[next[t.surface]++] = layOut(t, surface.frameAt(t.surface), share);
+    });
+}
+
 /// Weighted mean of the corner triangles' gradients, grad(phi_k) = n x (opposite edge) / (2 area), by area or by the corner's angle.
-void addMean(const CornerTriangle &t, bool byAngle, const Frame &frame, Row &row) {
-    float weight = t.area;
-    if (byAngle) {
-        const Vec3 a = t.points[1] - t.points[0];
-        const Vec3 b = t.points[2] - t.points[0];
-        weight = std::atan2(2 * t.area, glm::dot(a, b));
-    }
+void addMean(const CornerTriangle &t, float weight, const Frame &frame, Row &row) {
     row.total += weight;
     const float scale = 0.5F * weight / t.area;
     for (std::size_t i = 0; i < 3; ++i) {
@@ -194,12 +249,20 @@ class LimitRows {
 
 void makeFits(const FitInput &input, const SurfaceOptions &options, Surface &surface) {
     std::vector<Row> rows(surface.normals.size());
+    std::vector<RingSum> sums(rows.size());
     forEachCornerTriangle(input, surface, [&](const CornerTriangle &t) {
         const Frame frame = surface.frameAt(t.surface);
+        const float weight = weightOf(t, options.fit);
         if (options.fit == GradientFit::LeastSquares)
             addNeighbours(t, frame, rows[t.surface]);
         else
-            addMean(t, options.fit == GradientFit::Angle, frame, rows[t.surface]);
+            addMean(t, weight, frame, rows[t.surface]);
+        RingSum &sum = sums[t.surface];
+        ++sum.count;
+        sum.weight += weight;
+        sum.area += t.area;
+        sum.squares += t.longest2;
+        sum.tilt += weight * std::fmax(0.0F, 1 - glm::dot(t.normal, frame.n));
     });
     surface.stencilOffsets.assign(1, 0);
     surface.slope.assign(rows.size(), Vec2(0));
@@ -208,7 +271,7 @@ void makeFits(const FitInput &input, const SurfaceOptions &options, Surface &sur
     if (onLimit) limit.emplace(options);
     for (std::size_t s = 0; s < rows.size(); ++s) {
         if (options.fit == GradientFit::LeastSquares) solveLeastSquares(surface.surfacePosition[s], rows[s]);
-        if (!normaliseFit(input, rows[s], s, surface)) rows[s].entries.clear();
+        if (sums[s].onlySlivers() || !normaliseFit(input, rows[s], s, surface)) rows[s].entries.clear();
         bool known = !rows[s].entries.empty();
         if (onLimit) {
             known = limit->append(s, input.surfaceNormal[s], rows[s], surface);
@@ -224,6 +287,8 @@ void makeFits(const FitInput &input, const SurfaceOptions &options, Surface &sur
         }
         surface.stencilOffsets.push_back(static_cast<Index>(surface.stencilPositions.size()));
     }
+    rows = {};
+    if (!onLimit) makeRings(input, options, sums, surface);
 }
 
 } // namespace taut

@@ -3,6 +3,8 @@
 #include "taut/base/error.h"
 #include "taut/base/frame.h"
 #include "taut/base/parallel.h"
+#include "taut/deform/ring_stretch.h"
+#include "taut/deform/skin_hinges.h"
 #include "taut/deform/skinning.h"
 
 #include <atomic>
@@ -149,6 +151,26 @@ Blend blendAt(const Surface &surface, std::size_t s, const MotionState &motion, 
     return blend;
 }
 
+/// Tangents and normal at a hinge, from the skinned positions around it.
+void fitHinge(const Surface &surface, std::size_t s, const MotionState &motion, const SkinWeights &skin, const Affine &map, Vec3 &f1,
+              Vec3 &f2, Vec3 &n) {
+    const auto skinned = [&](Index p) {
+        return transformPoint(blendedTransform(skin, p, motion.joints, motion.carrier), motion.control[p]);
+    };
+    const Vec3 origin = transformPoint(map, motion.control[surface.surfacePosition[s]]);
+    f1 = Vec3(0);
+    f2 = Vec3(0);
+    for (Index k = surface.stencilOffsets[s]; k < surface.stencilOffsets[s + 1]; ++k) {
+        const Vec3 p = skinned(surface.stencilPositions[k]) - origin;
+        f1 += p * surface.stencilWeights[k].x;
+        f2 += p * surface.stencilWeights[k].y;
+    }
+    const bool mirrored = glm::determinant(Mat3(map[0], map[1], map[2])) < 0;
+    raiseFit(surface, s, Mat3(1), mirrored, f1, f2, n);
+    unfold(ringStretch(surface, s, [&](Index p) { return skinned(p) - origin; }), surface.ringTilts[s], n, f1, f2);
+    if (mirrored) n = -n;
+}
+
 void applyDeformers(const MotionState &motion, DVec3 &x, DVec3 &f1, DVec3 &f2, DVec3 &n) {
     for (const Deformer &deformer : motion.deformers) {
         const DeformedPoint image = deform(deformer, x);
@@ -190,6 +212,8 @@ void evaluateGradient(const Surface &surface, const MotionState &motion, const S
         if (motion.controlMoved && surface.stencilOffsets[s] != surface.stencilOffsets[s + 1]) {
             differentiate(surface, s, motion.control, f1, f2);
             raiseFit(surface, s, surface.restFromObject, false, f1, f2, n);
+            const auto edgeTo = [&](Index p) { return surface.restFromObject * (motion.control[p] - x); };
+            unfold(ringStretch(surface, s, edgeTo), surface.ringTilts[s], n, f1, f2);
         }
         Vec3 position;
         if (skinned) {
@@ -198,6 +222,7 @@ void evaluateGradient(const Surface &surface, const MotionState &motion, const S
             f1 = transformVector(blend.map, objectFromRest * f1) + blend.drift1;
             f2 = transformVector(blend.map, objectFromRest * f2) + blend.drift2;
             n = transformVector(blend.map, objectFromRest * n);
+            if (isHinge(surface, s)) fitHinge(surface, s, motion, skin, blend.map, f1, f2, n);
         } else {
             position = transformPoint(motion.carrier, x);
             f1 = carrierFromRest * f1;
@@ -246,6 +271,8 @@ void fitGradient(const Surface &surface, std::span<const Vec3> renderPoints, boo
         }
         if (known) {
             raiseFit(surface, s, Mat3(1), mirrored, out.f1[s], out.f2[s], out.normal[s]);
+            const auto edgeTo = [&](Index p) { return renderPoints[p] - out.position[s]; };
+            if (!onLimit) unfold(ringStretch(surface, s, edgeTo), surface.ringTilts[s], out.normal[s], out.f1[s], out.f2[s]);
         } else {
             const Frame frame = surface.frameAt(s);
             out.f1[s] = frame.s;

@@ -32,11 +32,11 @@ MemoryUse memoryUse(const RenderScene &scene) {
         for (const SurfaceStep &step : object.steps)
             use.shown += bytesOf(step.positions, step.normals, step.tangents, step.stretch, step.lean, step.ds, step.dt);
         use.motion += bytesOf(s.vertexSurface, s.vertexTangents, s.frameCoefficients, s.surfacePosition, s.normals, s.stencilOffsets,
-                              s.stencilPositions, s.stencilWeights, s.stencilPoints, s.slope, s.weightGradientOffsets,
-                              s.weightGradientJoints, s.weightGradients);
+                              s.stencilPositions, s.stencilWeights, s.stencilPoints, s.slope, s.ringOffsets, s.ringFaces, s.ringTilts,
+                              s.weightGradientOffsets, s.weightGradientJoints, s.weightGradients);
         const SurfaceGradient &g = object.gradient;
-        use.motion += bytesOf(g.position, g.f1, g.f2, g.normal, g.moved, g.points, g.normalImage, object.motion.control, object.cage, object.refined,
-                              object.restTangents, object.metrics);
+        use.motion += bytesOf(g.position, g.f1, g.f2, g.normal, g.moved, g.points, g.normalImage, object.motion.control, object.cage,
+                              object.refined, object.restTangents, object.metrics);
         use.motion += bytesOf(object.frame.positions, object.frame.normals, object.frame.ds, object.frame.dt);
         if (object.subdivision) {
             const Subdivision &d = *object.subdivision;
