@@ -90,7 +90,11 @@ std::string quoted(std::string_view text) {
 
 void Warnings::add(std::string line) {
     line = singleLine(std::move(line));
-    if (std::find(lines.begin(), lines.end(), line) == lines.end()) lines.push_back(std::move(line));
+    const std::size_t hash = std::hash<std::string>{}(line);
+    const auto [first, last] = places_.equal_range(hash);
+    if (std::any_of(first, last, [&](const auto &known) { return known.second < lines.size() && lines[known.second] == line; })) return;
+    places_.emplace(hash, lines.size());
+    lines.push_back(std::move(line));
 }
 
 std::string formatNumber(double value) {

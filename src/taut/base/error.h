@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 #include <vector>
 
 namespace taut {
@@ -54,6 +55,9 @@ std::string formatNumber(double value);
 struct Warnings {
     std::vector<std::string> lines;
     void add(std::string line);
+
+  private:
+    std::unordered_multimap<std::size_t, std::size_t> places_; ///< of lines, by hash
 };
 
 } // namespace taut

@@ -22,8 +22,24 @@ inline Vec3 rightStretch(const Vec3 &u, const Vec3 &w) {
     const float tau = std::sqrt(c.x + c.z);
     return c * (tau > 0 ? 1 / tau : 0.0F);
 }
+/// A^T A of the same map.
+inline Vec3 metricOf(const Vec3 &u, const Vec3 &w) {
+    return {glm::dot(u, u), glm::dot(u, w), glm::dot(w, w)};
+}
 inline float squareOf(const Vec3 &symmetric) {
     return symmetric.x * symmetric.x + 2 * symmetric.y * symmetric.y + symmetric.z * symmetric.z;
+}
+
+/// Calls f(u, w, share) with the images of e1 and e2 in each face around a surface vertex. `edgeTo`: from the deformed vertex to a
+/// deformed position.
+template <class Edge, class F> void forEachRingFace(const Surface &surface, std::size_t s, const Edge &edgeTo, const F &f) {
+    for (Index k = surface.ringOffsets[s]; k < surface.ringOffsets[s + 1]; ++k) {
+        const RingFace &face = surface.ringFaces[k];
+        const Vec3 a = edgeTo(face.positions[0]);
+        const Vec3 b = edgeTo(face.positions[1]);
+        const Vec4 &e = face.fromEdges;
+        f(a * e.x + b * e.y, a * e.z + b * e.w, face.share);
+    }
 }
 
 /// How far the faces around a surface vertex are stretched, each in its own plane, whatever bends or folds between them.
@@ -35,19 +51,15 @@ struct RingStretch {
 /// A face counts no more in the squares: a sliver that opens by any factor must not hide a fold beside it. Its part of the mean is in
 /// proportion to its area.
 inline constexpr float kMostSquare = 16;
-/// `edgeTo`: from the deformed vertex to a deformed position.
 template <class Edge> RingStretch ringStretch(const Surface &surface, std::size_t s, const Edge &edgeTo) {
     Vec3 mean(0); // less the identity, so that rigid faces leave no rounding behind
     float square = 0;
-    for (Index k = surface.ringOffsets[s]; k < surface.ringOffsets[s + 1]; ++k) {
-        const RingFace &face = surface.ringFaces[k];
-        const Vec3 a = edgeTo(face.positions[0]);
-        const Vec3 b = edgeTo(face.positions[1]);
-        const Vec4 &e = face.fromEdges;
-        const Vec3 u = rightStretch(a * e.x + b * e.y, a * e.z + b * e.w) - Vec3(1, 0, 1);
-        mean += u * face.share;
-        square += std::fmin(squareOf(u), kMostSquare) * face.share;
-    }
+    forEachRingFace(surface, s, edgeTo, [&](const Vec3 &u, const Vec3 &w, float share) {
+        const Vec3 strain = rightStretch(u, w) - Vec3(1, 0, 1);
+        const float own = squareOf(strain);
+        mean += strain * share;
+        square += (own < kMostSquare ? own : kMostSquare) * share;
+    });
     return {mean + Vec3(1, 0, 1), std::sqrt(std::fmax(0.0F, square - squareOf(mean))), std::sqrt(square)};
 }
 
@@ -56,19 +68,30 @@ inline constexpr float kSameStretch = 1e-4F;
 /// What the mean of the faces' stretches may be off by on a ring that is curved at rest: so many times its tilt times its strain.
 inline constexpr float kTiltError = 16;
 
-/// Tangents f1, f2 of the unit normal, from a fit, keep their stretch unless it differs from the faces' mean by more than that may be
-/// off itself: by what the faces differ among themselves, and by their strain where they do not lie in one plane at rest. Then it is a
-/// fold, and f1 and f2 keep their rotation alone.
-inline void unfold(const RingStretch &ring, float tilt, const Vec3 &normal, Vec3 &f1, Vec3 &f2) {
+/// How far a stretch found in another way than from the faces is to give way to their mean, 0 to 1: not at all unless the two differ by
+/// more than that mean may be off itself, which is what the faces differ among themselves, and their strain where they do not lie in
+/// one plane at rest; altogether from twice that on, so that nothing jumps.
+inline float foldWeight(const RingStretch &ring, float tilt, const Vec3 &own) {
+    const float difference = std::sqrt(squareOf(own - ring.mean));
+    if (!(difference > kSameStretch * std::sqrt(squareOf(ring.mean)))) return 0;
+    const float doubt = ring.unequal + kTiltError * tilt * ring.strain;
+    if (!(difference > doubt)) return 0;
+    const float t = std::fmin(difference / std::fmax(doubt, std::numeric_limits<float>::min()) - 1, 1.0F);
+    return t * t * (3 - 2 * t);
+}
+
+/// At a fold, tangents f1, f2 of the unit normal that come from a fit get the stretch of the faces and keep their rotation alone.
+template <class Edge> void unfold(const Surface &surface, std::size_t s, const Edge &edgeTo, const Vec3 &normal, Vec3 &f1, Vec3 &f2) {
+    // Without a fold the faces' mean metric is the fit's, which costs no roots.
+    Vec3 metric(0);
+    forEachRingFace(surface, s, edgeTo, [&](const Vec3 &u, const Vec3 &w, float share) { metric += metricOf(u, w) * share; });
+    if (!(squareOf(metric - metricOf(f1, f2)) > sqr(2 * kSameStretch) * squareOf(metric))) return;
+    const RingStretch ring = ringStretch(surface, s, edgeTo);
     const Vec3 g1 = f1 - normal * glm::dot(normal, f1); // what has collapsed may stand on its normal
     const Vec3 g2 = f2 - normal * glm::dot(normal, f2);
     const Vec3 own = rightStretch(g1, g2);
-    const float difference = std::sqrt(squareOf(own - ring.mean));
-    if (!(difference > kSameStretch * std::sqrt(squareOf(ring.mean)))) return;
-    const float doubt = ring.unequal + kTiltError * tilt * ring.strain;
-    if (!(difference > doubt)) return;
-    const float t = std::fmin(difference / std::fmax(doubt, std::numeric_limits<float>::min()) - 1, 1.0F);
-    const float weight = t * t * (3 - 2 * t); // no jump: all of it at twice the doubt
+    const float weight = foldWeight(ring, surface.ringTilts[s], own);
+    if (!(weight > 0)) return;
     const Vec3 u = own + (ring.mean - own) * weight;
     const Vec3 rotated = g1 + glm::cross(g2, normal); // R e1 of the polar decomposition
     const float length = glm::length(rotated);

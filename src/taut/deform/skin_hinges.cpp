@@ -30,10 +30,8 @@ float weightOf(const SkinWeights &skin, Index position, Index joint) {
     return sum;
 }
 
-} // namespace
-
+/// The greatest share of its weights that a surface vertex loses to other joints at a neighbour.
 float weightJump(const Surface &surface, const SkinWeights &skin, std::size_t s) {
-    if (surface.ringOffsets.empty()) return 0;
     const Index here = surface.surfacePosition[s];
     float greatest = 0;
     for (Index k = surface.stencilOffsets[s]; k < surface.stencilOffsets[s + 1]; ++k) {
@@ -46,11 +44,22 @@ float weightJump(const Surface &surface, const SkinWeights &skin, std::size_t s)
     return greatest;
 }
 
+} // namespace
+
+void findHinges(const SkinWeights &skin, Surface &surface) {
+    if (surface.ringOffsets.empty()) return; // a limit surface: stencils are those of a cage
+    surface.hinges.resize(surface.normals.size());
+    bool any = false;
+    for (std::size_t s = 0; s < surface.hinges.size(); ++s) {
+        surface.hinges[s] = weightJump(surface, skin, s) > kHingeJump ? 1 : 0;
+        any = any || surface.hinges[s] != 0;
+    }
+    if (!any) surface.hinges = {};
+}
+
 void keepHinges(Surface &surface) {
-    std::vector<unsigned char> wanted(surface.normals.size());
-    for (std::size_t s = 0; s < wanted.size(); ++s) wanted[s] = isHinge(surface, s) ? 1 : 0;
-    const bool any = std::find(wanted.begin(), wanted.end(), 1) != wanted.end();
-    if (any && !surface.onLimit()) {
+    const std::vector<unsigned char> &wanted = surface.hinges;
+    if (!wanted.empty()) {
         keepRows(surface.stencilOffsets, wanted, surface.stencilPositions);
         keepRows(surface.stencilOffsets, wanted, surface.stencilWeights);
         keepRows(wanted, surface.stencilOffsets);

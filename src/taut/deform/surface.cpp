@@ -150,16 +150,14 @@ class Builder {
                 for (Index i = skin.offsets[position]; i < skin.offsets[position + 1]; ++i)
                     sums[skin.joints[i]] += surface_.stencilWeights[k] * skin.weights[i];
             }
-            if (weightJump(surface_, skin, s) > kHingeJump) sums.clear();
-            const std::size_t begin = surface_.weightGradients.size();
             for (const auto &[joint, gradient] : sums) {
-                const bool last = joint == sums.rbegin()->first && begin == surface_.weightGradients.size();
-                if (gradient == Vec2(0) && !last) continue; // an empty row says: a hinge
+                if (gradient == Vec2(0)) continue;
                 surface_.weightGradientJoints.push_back(joint);
                 surface_.weightGradients.push_back(gradient);
             }
             surface_.weightGradientOffsets.push_back(static_cast<Index>(surface_.weightGradients.size()));
         }
+        findHinges(skin, surface_);
     }
 
     /// A render vertex while it is made: dP/du summed over the faces that share it.
@@ -307,7 +305,7 @@ void compact(Surface &surface, bool fits) {
     shrink(surface.triangles, surface.triangleSlots, surface.vertexSurface, surface.uvs, surface.vertexTangents, surface.frameCoefficients,
            surface.surfacePosition, surface.normals, surface.stencilOffsets, surface.stencilPositions, surface.stencilWeights,
            surface.stencilPoints, surface.slope, surface.ringOffsets, surface.ringFaces, surface.ringTilts, surface.weightGradientOffsets,
-           surface.weightGradientJoints, surface.weightGradients);
+           surface.weightGradientJoints, surface.weightGradients, surface.hinges);
 }
 
 } // namespace taut

@@ -72,6 +72,7 @@ struct Surface {
     std::vector<Index> weightGradientOffsets; ///< [surface vertices + 1]; empty without a skin
     std::vector<Index> weightGradientJoints;
     std::vector<Vec2> weightGradients;
+    std::vector<unsigned char> hinges; ///< [surface vertices] where the weights jump (skin_hinges.h); empty where they do nowhere
 
     // What the policies did, for `taut info`.
     Index degenerateFaces = 0;

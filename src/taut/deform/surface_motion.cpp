@@ -151,24 +151,29 @@ Blend blendAt(const Surface &surface, std::size_t s, const MotionState &motion, 
     return blend;
 }
 
-/// Tangents and normal at a hinge, from the skinned positions around it.
+/// At a hinge the product rule gives way to a fit to the skinned positions where the faces around say that it is wrong.
 void fitHinge(const Surface &surface, std::size_t s, const MotionState &motion, const SkinWeights &skin, const Affine &map, Vec3 &f1,
               Vec3 &f2, Vec3 &n) {
-    const auto skinned = [&](Index p) {
-        return transformPoint(blendedTransform(skin, p, motion.joints, motion.carrier), motion.control[p]);
-    };
     const Vec3 origin = transformPoint(map, motion.control[surface.surfacePosition[s]]);
-    f1 = Vec3(0);
-    f2 = Vec3(0);
+    const auto edgeTo = [&](Index p) {
+        return transformPoint(blendedTransform(skin, p, motion.joints, motion.carrier), motion.control[p]) - origin;
+    };
+    const float weight = foldWeight(ringStretch(surface, s, edgeTo), surface.ringTilts[s], rightStretch(f1, f2));
+    if (!(weight > 0)) return;
+    Vec3 g1(0);
+    Vec3 g2(0);
+    Vec3 normal(0);
     for (Index k = surface.stencilOffsets[s]; k < surface.stencilOffsets[s + 1]; ++k) {
-        const Vec3 p = skinned(surface.stencilPositions[k]) - origin;
-        f1 += p * surface.stencilWeights[k].x;
-        f2 += p * surface.stencilWeights[k].y;
+        const Vec3 p = edgeTo(surface.stencilPositions[k]);
+        g1 += p * surface.stencilWeights[k].x;
+        g2 += p * surface.stencilWeights[k].y;
     }
     const bool mirrored = glm::determinant(Mat3(map[0], map[1], map[2])) < 0;
-    raiseFit(surface, s, Mat3(1), mirrored, f1, f2, n);
-    unfold(ringStretch(surface, s, [&](Index p) { return skinned(p) - origin; }), surface.ringTilts[s], n, f1, f2);
-    if (mirrored) n = -n;
+    raiseFit(surface, s, Mat3(1), mirrored, g1, g2, normal);
+    unfold(surface, s, edgeTo, normal, g1, g2);
+    f1 += (g1 - f1) * weight;
+    f2 += (g2 - f2) * weight;
+    n += (normal * (mirrored ? -glm::length(n) : glm::length(n)) - n) * weight;
 }
 
 void applyDeformers(const MotionState &motion, DVec3 &x, DVec3 &f1, DVec3 &f2, DVec3 &n) {
@@ -213,7 +218,7 @@ void evaluateGradient(const Surface &surface, const MotionState &motion, const S
             differentiate(surface, s, motion.control, f1, f2);
             raiseFit(surface, s, surface.restFromObject, false, f1, f2, n);
             const auto edgeTo = [&](Index p) { return surface.restFromObject * (motion.control[p] - x); };
-            unfold(ringStretch(surface, s, edgeTo), surface.ringTilts[s], n, f1, f2);
+            unfold(surface, s, edgeTo, n, f1, f2);
         }
         Vec3 position;
         if (skinned) {
@@ -272,7 +277,7 @@ void fitGradient(const Surface &surface, std::span<const Vec3> renderPoints, boo
         if (known) {
             raiseFit(surface, s, Mat3(1), mirrored, out.f1[s], out.f2[s], out.normal[s]);
             const auto edgeTo = [&](Index p) { return renderPoints[p] - out.position[s]; };
-            if (!onLimit) unfold(ringStretch(surface, s, edgeTo), surface.ringTilts[s], out.normal[s], out.f1[s], out.f2[s]);
+            if (!onLimit) unfold(surface, s, edgeTo, out.normal[s], out.f1[s], out.f2[s]);
         } else {
             const Frame frame = surface.frameAt(s);
             out.f1[s] = frame.s;

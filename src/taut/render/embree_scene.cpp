@@ -59,9 +59,11 @@ struct EmbreeScene::State {
     bool refits = false;
     std::atomic<std::ptrdiff_t> bytes{0};
     std::vector<RTCScene> instanced; ///< the BVHs behind instances
+    std::vector<RTCScene> behind;    ///< [geometries] that of an instance; null: none
     std::vector<unsigned> steps;     ///< [geometries] times in the shutter
 
     Index attach(RTCGeometry geometry, std::size_t times);
+    Index instance(RTCScene of, std::size_t times);
 };
 
 EmbreeScene::EmbreeScene(bool refits) : state_(std::make_unique<State>()) {
@@ -108,6 +110,16 @@ Index EmbreeScene::State::attach(RTCGeometry geometry, std::size_t times) {
     return id;
 }
 
+Index EmbreeScene::State::instance(RTCScene of, std::size_t times) {
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
+    rtcSetGeometryInstancedScene(geometry, of);
+    rtcSetGeometryTimeStepCount(geometry, static_cast<unsigned>(times));
+    const Index id = attach(geometry, times);
+    behind.resize(std::max<std::size_t>(behind.size(), id + 1));
+    behind[id] = of;
+    return id;
+}
+
 Index EmbreeScene::addTriangles(const std::vector<std::span<const Vec3>> &positions, std::span<const Index3> triangles) {
     const bool refits = state_->refits && positions.size() == 1;
     const RTCBuildQuality quality = refits ? RTC_BUILD_QUALITY_REFIT : RTC_BUILD_QUALITY_MEDIUM;
@@ -116,18 +128,25 @@ Index EmbreeScene::addTriangles(const std::vector<std::span<const Vec3>> &positi
 
 Index EmbreeScene::addInstance(std::span<const Vec3> positions, std::span<const Index3> triangles,
                                std::span<const Affine> renderFromLocal) {
-    RTCScene own = rtcNewScene(state_->device);
+    RTCScene own = rtcNewScene(state_->device); // released with this
     state_->instanced.push_back(own);
     RTCGeometry triangleMesh = triangleGeometry(state_->device, {positions}, triangles, RTC_BUILD_QUALITY_MEDIUM);
     rtcAttachGeometry(own, triangleMesh);
     rtcReleaseGeometry(triangleMesh);
     rtcCommitScene(own);
-    RTCGeometry instance = rtcNewGeometry(state_->device, RTC_GEOMETRY_TYPE_INSTANCE);
-    rtcSetGeometryInstancedScene(instance, own);
-    rtcSetGeometryTimeStepCount(instance, static_cast<unsigned>(renderFromLocal.size()));
-    const Index id = state_->attach(instance, renderFromLocal.size());
+    const Index id = state_->instance(own, renderFromLocal.size());
     place(id, renderFromLocal);
     return id;
+}
+
+Index EmbreeScene::addInstanceOf(Index geometry, std::span<const Affine> renderFromLocal) {
+    const Index id = state_->instance(state_->behind[geometry], renderFromLocal.size());
+    place(id, renderFromLocal);
+    return id;
+}
+
+std::size_t EmbreeScene::instancedBvhs() const {
+    return state_->instanced.size();
 }
 
 void EmbreeScene::place(Index geometry, std::span<const Affine> renderFromLocal) {

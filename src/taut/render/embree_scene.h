@@ -29,6 +29,9 @@ class EmbreeScene {
     /// they are interpolated entry by entry.
     Index addInstance(std::span<const Vec3> positions, std::span<const Index3> triangles, std::span<const Affine> renderFromLocal);
 
+    /// Adds the mesh of another instance once more, on the BVH that this one has.
+    Index addInstanceOf(Index geometry, std::span<const Affine> renderFromLocal);
+
     /// Moves an instance; as many maps as it was added with.
     void place(Index geometry, std::span<const Affine> renderFromLocal);
 
@@ -44,6 +47,9 @@ class EmbreeScene {
 
     /// True at i where ray i meets anything in [nearest, farthest].
     void occluded(std::span<const Ray> rays, std::span<unsigned char> blocked) const;
+
+    /// BVHs behind instances.
+    [[nodiscard]] std::size_t instancedBvhs() const;
 
     /// Bytes that Embree holds: BVHs and what goes with them, not the buffers it was given.
     [[nodiscard]] std::size_t bytes() const;

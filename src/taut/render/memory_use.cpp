@@ -33,7 +33,7 @@ MemoryUse memoryUse(const RenderScene &scene) {
             use.shown += bytesOf(step.positions, step.normals, step.tangents, step.stretch, step.lean, step.ds, step.dt);
         use.motion += bytesOf(s.vertexSurface, s.vertexTangents, s.frameCoefficients, s.surfacePosition, s.normals, s.stencilOffsets,
                               s.stencilPositions, s.stencilWeights, s.stencilPoints, s.slope, s.ringOffsets, s.ringFaces, s.ringTilts,
-                              s.weightGradientOffsets, s.weightGradientJoints, s.weightGradients);
+                              s.hinges, s.weightGradientOffsets, s.weightGradientJoints, s.weightGradients);
         const SurfaceGradient &g = object.gradient;
         use.motion += bytesOf(g.position, g.f1, g.f2, g.normal, g.moved, g.points, g.normalImage, object.motion.control, object.cage,
                               object.refined, object.restTangents, object.metrics);

@@ -36,6 +36,20 @@ double frameOfStep(const RenderSettings &render, double frame, std::size_t step,
     return count == 1 ? frame : frame + render.shutter * (static_cast<double>(step) / static_cast<double>(count - 1) - 0.5);
 }
 
+/// Objects of one shape have the same positions about their centres.
+InstanceShape shapeOf(const RenderObject &object) {
+    const Object &from = *object.object;
+    InstanceShape shape{from.mesh.get(),
+                        {},
+                        object.plan.subdivisionLevel,
+                        from.subdivision.scheme,
+                        from.subdivision.boundary,
+                        from.subdivision.creaseAngle};
+    for (int c = 0; c < 3; ++c)
+        for (int r = 0; r < 3; ++r) shape.restFromObject[static_cast<std::size_t>(3 * c + r)] = object.surface.restFromObject[c][r];
+    return shape;
+}
+
 } // namespace
 
 StageTimes &StageTimes::operator+=(const StageTimes &other) {
@@ -60,6 +74,7 @@ RenderScene::RenderScene(Scene scene, ScenePlan plan, bool animated, std::vector
 }
 
 void RenderScene::prepare(bool animated, std::vector<ObjectSurface> surfaces) {
+    sharePoses(scene_);
     const Scene &scene = scene_;
     check(scene);
     objects_ = std::vector<RenderObject>(scene.objects.size());
@@ -92,6 +107,12 @@ void RenderScene::moveCamera(double frame, const DMat4 &renderFromWorld) {
     if (still) cameraSteps_.assign(1, Affine(1));
 }
 
+Index RenderScene::addInstance(const RenderObject &object) {
+    Index &shared = instances_.try_emplace(shapeOf(object), kNone).first->second;
+    if (shared != kNone) return embree_->addInstanceOf(shared, object.placements);
+    return shared = embree_->addInstance(object.steps.front().positions, object.surface.triangles, object.placements);
+}
+
 void RenderScene::setFrame(double frame, StageTimes &times) {
     const RenderSettings &render = scene_.render;
     const DMat4 before = worldFromRender_;
@@ -118,8 +139,7 @@ void RenderScene::setFrame(double frame, StageTimes &times) {
         if (!committed_) {
             std::vector<std::span<const Vec3>> steps;
             for (const SurfaceStep &step : object.steps) steps.emplace_back(step.positions);
-            object.geometry = object.instanced ? embree_->addInstance(positions, object.surface.triangles, object.placements)
-                                               : embree_->addTriangles(steps, object.surface.triangles);
+            object.geometry = object.instanced ? addInstance(object) : embree_->addTriangles(steps, object.surface.triangles);
             owners_.resize(std::max<std::size_t>(owners_.size(), object.geometry + 1), kNone);
             owners_[object.geometry] = i;
             if (!object.rigid && refits_) object.bvh.built(object.surface.triangles, positions);

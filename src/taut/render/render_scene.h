@@ -8,6 +8,10 @@
 #include "taut/render/lights.h"
 #include "taut/render/surface_step.h"
 
+#include <array>
+#include <compare>
+#include <map>
+
 namespace taut {
 
 /// Seconds spent, by stage; shading stages are summed over threads.
@@ -19,6 +23,17 @@ struct StageTimes {
     double shading = 0;
     double film = 0;
     StageTimes &operator+=(const StageTimes &other);
+};
+
+/// What the BVH of an object that only moves as a whole is made of: objects that agree share one.
+struct InstanceShape {
+    const Mesh *mesh;
+    std::array<float, 9> restFromObject;
+    int subdivisionLevel;
+    SubdivisionScheme scheme;
+    SubdivisionBoundary boundary;
+    float creaseAngle;
+    auto operator<=>(const InstanceShape &) const = default;
 };
 
 class RenderScene {
@@ -41,7 +56,8 @@ class RenderScene {
     }
 
     // --- changes between two frames: taken in by the next setFrame(), topology is not built again. Throw InputError for an index that is
-    // none or a value that makes the scene none (check_scene.h), and leave things as they were. A FrameRender made before a change must not go on after it.
+    // none or a value that makes the scene none (check_scene.h), and leave things as they were. A FrameRender made before a change must not
+    // go on after it.
     void setCamera(Camera camera);
     /// The plan's choice for the old material is dropped: each hit chooses by its M.
     void setMaterial(Index material, Material value);
@@ -70,6 +86,7 @@ class RenderScene {
   private:
     void moveCamera(double frame, const DMat4 &renderFromWorld);
 
+    Index addInstance(const RenderObject &object);
     void prepare(bool animated, std::vector<ObjectSurface> surfaces);
 
     Scene scene_;
@@ -77,7 +94,8 @@ class RenderScene {
     std::unique_ptr<EmbreeScene> embree_;
     bool refits_ = false;
     std::vector<RenderObject> objects_;
-    std::vector<Index> owners_; // [geometries] -> object
+    std::vector<Index> owners_;                // [geometries] -> object
+    std::map<InstanceShape, Index> instances_; // the geometry whose BVH is shared
     LightTable lights_;
     CameraState camera_;
     std::vector<Affine> cameraSteps_;

@@ -42,10 +42,13 @@ void failOn(const Location &where, const std::optional<Mistake> &mistake) {
     if (mistake) failInput(where, mistake->found, mistake->expected);
 }
 
-std::string uniqueName(std::set<std::string> &taken, const std::string &name) {
-    std::string candidate = name;
-    for (int i = 2; !taken.insert(candidate).second; ++i) candidate = name + "_" + std::to_string(i);
-    return candidate;
+std::string uniqueName(UniqueNames &names, const std::string &name) {
+    if (names.taken.insert(name).second) return name;
+    int &number = names.next.try_emplace(name, 1).first->second;
+    while (true) { // a name that is taken stays so
+        std::string candidate = name + "_" + std::to_string(++number);
+        if (names.taken.insert(candidate).second) return candidate;
+    }
 }
 
 double firstFrame(const Scene &scene) {

@@ -13,6 +13,14 @@
 
 namespace taut {
 
+/// Names that are taken, and where to look on for a free one after each.
+struct UniqueNames {
+    std::set<std::string> taken{};
+    std::map<std::string, int> next{}; ///< number that name_2, name_3 ... have reached
+    [[nodiscard]] auto begin() const { return taken.begin(); }
+    [[nodiscard]] auto end() const { return taken.end(); }
+};
+
 struct LoadContext {
     explicit LoadContext(Warnings &warnings_) : warnings(warnings_) {}
 
@@ -26,7 +34,7 @@ struct LoadContext {
     std::map<std::string, Index> textures{};  ///< by path and decoding
     std::map<std::string, Index> materials{}; ///< [material.NAME] by name
     std::map<std::pair<const GltfFile *, Index>, Index> gltfMaterials{};
-    std::set<std::string> objectNames{}; ///< of objects, and of glTF entries, whose objects are named entry/node
+    UniqueNames objectNames{}; ///< of objects, and of glTF entries, whose objects are named entry/node
     Index defaultMaterial = kNone;
 };
 
@@ -42,7 +50,7 @@ std::shared_ptr<const Mesh> meshFile(LoadContext &context, const std::string &pa
 void failOn(const Location &where, const std::optional<Mistake> &mistake);
 
 /// `name`, or name_2, name_3 ... where it is taken.
-std::string uniqueName(std::set<std::string> &taken, const std::string &name);
+std::string uniqueName(UniqueNames &names, const std::string &name);
 
 double firstFrame(const Scene &scene);
 

@@ -1,10 +1,10 @@
 /// A glTF file turned into objects, materials and lights of a scene. Space: the file's own (y up); the placement of the entry
 /// turns it to the world's z up.
 
-#include "taut/deform/animation.h"
 #include "taut/scene/load_context.h"
 
 #include <algorithm>
+#include <array>
 
 namespace taut {
 
@@ -81,12 +81,9 @@ void checkMaterialTable(const GltfFile &file, const TomlValue *material) {
 }
 
 bool isAnimated(const RigMotion &motion, Index node) {
-    const Clip *clip = clipOf(motion);
-    if (clip == nullptr) return false;
-    for (Index n = node; n != kNone; n = motion.rig->nodes[n].parent)
-        for (const Channel &channel : clip->channels)
-            if (channel.node == n) return true;
-    return false;
+    constexpr std::array kPlaces{ChannelPath::Translation, ChannelPath::Rotation, ChannelPath::Scale};
+    return std::any_of(kPlaces.begin(), kPlaces.end(),
+                       [&](ChannelPath path) { return motion.poses->isMoved(motion.rig, clipOf(motion), node, path); });
 }
 
 /// The words for a light's keys (load_lights.cpp), read from a glTF light and its node, which know no others.
@@ -181,12 +178,12 @@ void addGltfObjects(LoadContext &context, const Object &common, const std::share
 
 void addGltfLights(LoadContext &context, const GltfFile &file, const RigMotion &motion, const Placement &placement) {
     const double frame = firstFrame(context.scene);
-    const Pose pose = evaluatePose(file.rig, clipOf(motion), clipTime(motion, frame, context.scene.render.fps));
+    const std::shared_ptr<const Pose> pose = poseAtFrame(motion, frame, context.scene.render.fps);
     const DMat4 worldFromFile = placementAt(placement, frame);
     for (const Index node : file.sceneNodes) {
         const Index light = file.attached[node].light;
         if (light == kNone) continue;
-        context.scene.lights.push_back(toLight(file.lights[light], worldFromFile * pose.worldFromNode[node]));
+        context.scene.lights.push_back(toLight(file.lights[light], worldFromFile * pose->worldFromNode[node]));
         if (isAnimated(motion, node))
             context.warnings.add(file.path + ": light " + quoted(file.lights[light].name) +
                                  " is animated; it stays where it is at the first frame");

@@ -1,7 +1,6 @@
 #include "taut/scene/object_motion.h"
 
 #include "taut/base/error.h"
-#include "taut/deform/animation.h"
 #include "taut/deform/skinning.h"
 
 #include <algorithm>
@@ -76,10 +75,9 @@ std::span<const Vec3> pointsAt(const Object &object, double frame, double fps, O
 Mat3 restFromObject(const Object &object) {
     DMat3 rest(1);
     if (object.rig) {
-        const Rig &rig = *object.rig->rig;
-        const Pose pose = restPose(rig, clipOf(*object.rig));
+        const std::shared_ptr<const Pose> pose = restPoseOf(*object.rig);
         const Skin *skin = skinOf(object);
-        rest = skin != nullptr ? skeletonPlacement(jointMatrices(*skin, pose)) : DMat3(pose.worldFromNode[object.rig->node]);
+        rest = skin != nullptr ? skeletonPlacement(jointMatrices(*skin, *pose)) : DMat3(pose->worldFromNode[object.rig->node]);
     }
     rest = placementRest(object.placement) * rest;
     const double det = glm::determinant(rest);
@@ -92,13 +90,8 @@ bool isRigid(const Object &object) {
     if (!object.rig) return true;
     if (skinOf(object) != nullptr || !object.mesh->morphs.empty()) return false;
     // A node is rigid where nothing above it scales over time.
-    const Clip *clip = clipOf(*object.rig);
-    if (clip == nullptr) return true;
-    const Rig &rig = *object.rig->rig;
-    for (Index node = object.rig->node; node != kNone; node = rig.nodes[node].parent)
-        for (const Channel &channel : clip->channels)
-            if (channel.node == node && channel.path == ChannelPath::Scale) return false;
-    return true;
+    const RigMotion &motion = *object.rig;
+    return !motion.poses->isMoved(motion.rig, clipOf(motion), motion.node, ChannelPath::Scale);
 }
 
 bool deforms(const Object &object) {
@@ -136,21 +129,20 @@ void motionAtFrame(const Object &object, double frame, double fps, const DMat4 &
     }
     double orientation = glm::determinant(DMat3(renderFromScene));
     if (object.rig) {
-        const Rig &rig = *object.rig->rig;
-        const Pose pose = evaluatePose(rig, clipOf(*object.rig), clipTime(*object.rig, frame, fps));
-        const std::vector<float> &weights = pose.morphWeights[object.rig->node];
+        const std::shared_ptr<const Pose> pose = poseAtFrame(*object.rig, frame, fps);
+        const std::vector<float> &weights = pose->morphWeights[object.rig->node];
         if (!object.mesh->morphs.empty() && !weights.empty()) {
             morphPositions(object.mesh->positions, object.mesh->morphs, weights, motion.control);
             state.control = motion.control;
             state.controlMoved = true;
         }
         if (const Skin *skin = skinOf(object)) {
-            const std::vector<DMat4> joints = jointMatrices(*skin, pose);
+            const std::vector<DMat4> joints = jointMatrices(*skin, *pose);
             for (const DMat4 &joint : joints) state.joints.push_back(affineOf(target * joint));
             orientation *= glm::determinant(DMat3(joints.front()));
             sceneFromObject = DMat4(1); // glTF: the node of a skinned mesh does not move it
         } else {
-            sceneFromObject = pose.worldFromNode[object.rig->node];
+            sceneFromObject = pose->worldFromNode[object.rig->node];
             orientation *= glm::determinant(DMat3(sceneFromObject));
         }
     }

@@ -1,8 +1,8 @@
 #include "taut/scene/scene.h"
 
-#include "taut/deform/animation.h"
-
 #include <glm/gtc/matrix_transform.hpp>
+
+#include <map>
 
 namespace taut {
 
@@ -61,8 +61,7 @@ CameraState cameraAtFrame(const Camera &camera, double frame, double fps) {
     state.focusDistance = camera.focusDistance.at(frame);
     if (camera.rig) {
         const RigMotion &motion = *camera.rig;
-        const Pose pose = evaluatePose(*motion.rig, clipOf(motion), clipTime(motion, frame, fps));
-        const DMat4 placed = placementAt(camera.placement, frame) * pose.worldFromNode[motion.node];
+        const DMat4 placed = placementAt(camera.placement, frame) * poseAtFrame(motion, frame, fps)->worldFromNode[motion.node];
         state.worldFromCamera = compose(rotationOf(DMat3(placed)), DVec3(placed[3]));
         if (!(state.focusDistance > 0)) state.focusDistance = 1;
         return state;
@@ -84,6 +83,20 @@ double clipTime(const RigMotion &motion, double frame, double fps) {
     const double duration = motion.rig->clips[motion.clip].duration;
     if (!(duration > 0)) return seconds;
     return seconds - duration * std::floor(seconds / duration);
+}
+
+std::shared_ptr<const Pose> poseAtFrame(const RigMotion &motion, double frame, double fps) {
+    return motion.poses->at(motion.rig, clipOf(motion), clipTime(motion, frame, fps));
+}
+
+std::shared_ptr<const Pose> restPoseOf(const RigMotion &motion) {
+    return motion.poses->rest(motion.rig, clipOf(motion));
+}
+
+void sharePoses(Scene &scene) {
+    std::map<const Rig *, std::shared_ptr<RigPoses>> known;
+    for (Object &object : scene.objects)
+        if (object.rig) object.rig->poses = known.try_emplace(object.rig->rig.get(), object.rig->poses).first->second;
 }
 
 } // namespace taut

@@ -7,7 +7,7 @@
 #include "taut/deform/gradient_interpolation.h"
 #include "taut/deform/keyed.h"
 #include "taut/deform/point_source.h"
-#include "taut/deform/rig.h"
+#include "taut/deform/rig_poses.h"
 #include "taut/deform/surface_motion.h"
 #include "taut/mesh/mesh.h"
 #include "taut/mesh/subdivide.h"
@@ -39,14 +39,18 @@ DMat3 placementRest(const Placement &placement);
 /// What moves an object's points before its deformers: a node of a rig, and the skin that it names.
 struct RigMotion {
     std::shared_ptr<const Rig> rig;
-    Index node = kNone; ///< the node that holds the mesh
-    Index clip = kNone; ///< into rig->clips; kNone: nodes as stored
-    bool loop = false;  ///< repeat the clip; false: hold its ends
+    Index node = kNone;                                             ///< the node that holds the mesh
+    Index clip = kNone;                                             ///< into rig->clips; kNone: nodes as stored
+    bool loop = false;                                              ///< repeat the clip; false: hold its ends
+    std::shared_ptr<RigPoses> poses = std::make_shared<RigPoses>(); ///< evaluated so far; shared by copies, so by a file's objects
 };
 /// The clip that a motion plays; null: none.
 const Clip *clipOf(const RigMotion &motion);
 /// Time on the motion's clip at a frame, seconds: (frame - 1) / fps, wrapped into the clip where it loops.
 double clipTime(const RigMotion &motion, double frame, double fps);
+/// The rig's pose at a frame, and its rest pose.
+std::shared_ptr<const Pose> poseAtFrame(const RigMotion &motion, double frame, double fps);
+std::shared_ptr<const Pose> restPoseOf(const RigMotion &motion);
 
 /// Level of an object whose level a plan would choose, where there is none.
 inline constexpr int kUnplannedLevel = 3;
@@ -125,5 +129,8 @@ struct Scene {
     [[nodiscard]] const Material &materialAt(Index index) const { return index < materials.size() ? materials[index] : kPlainMaterial; }
     static inline const Material kPlainMaterial{};
 };
+
+/// Lets all objects that hang from one rig share its poses, wherever their motions come from.
+void sharePoses(Scene &scene);
 
 } // namespace taut
