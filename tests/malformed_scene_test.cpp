@@ -72,7 +72,7 @@ const std::vector<Malformed> kMaterials{
     {"[material.a]\ntype = \"conductor\"\nalpha = [0.1, 1e-5]\n", "3:15", {"found 1e-5, expected a number in [1e-4, 10]"}},
     {"[material.a]\ntype = \"conductor\"\nalpha = [0.1]\n", "3:9", {"an array of 1 item"}},
     {"[material.a]\ntype = \"conductor\"\nmetal = \"Al\"\nf0 = 1\n", "4:1", {"'f0' beside 'metal'"}},
-    {"[material.a]\ntype = \"conductor\"\nf0 = 1.5\n", "3:6", {"found 1.5", "[0, 1]"}},
+    {"[material.a]\ntype = \"conductor\"\nf0 = -0.5\n", "3:6", {"found -0.5", "at least 0"}},
     {"[material.a]\ntype = \"conductor\"\ncolor = 1\n", "3:1", {"'color'"}},
     {"[material.a]\ntype = \"diffuse\"\nalpha = 0.1\n", "3:1", {"'alpha'", "one of type, color"}},
     {"[material.a]\ntype = \"conductor\"\nroughness = 0.1\n", "3:1", {"'roughness'", "one of"}},

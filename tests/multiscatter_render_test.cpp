@@ -48,6 +48,26 @@ TEST_CASE("White furnace of a sheared sphere, alpha (1, 0.2): walk and compensat
     CHECK(furnace(skewed(Multiscatter::Auto), 256) == Approx(1).margin(0.02));
 }
 
+TEST_CASE("White furnace of metallic-roughness: rough metal loses nothing, nothing makes light", "[render][furnace][gltf]") {
+    Material metal = skewed(Multiscatter::Walk);
+    metal.type = BsdfType::MetallicRoughness;
+    metal.metallic.value = 1;
+    CHECK(furnace(metal, 256) == Approx(1).margin(0.005));
+    metal.multiscatter = Multiscatter::Compensation;
+    CHECK(furnace(metal, 256) == Approx(1).margin(0.02));
+    metal.multiscatter = Multiscatter::Auto;
+    CHECK(furnace(metal, 256) == Approx(1).margin(0.02));
+    for (const Multiscatter multiscatter : {Multiscatter::Off, Multiscatter::Auto, Multiscatter::Walk})
+        for (const float metallic : {0.0F, 0.5F}) {
+            INFO("metallic " << metallic);
+            metal.multiscatter = multiscatter;
+            metal.metallic.value = metallic;
+            const double light = furnace(metal, 256);
+            CHECK(light < 1.005);
+            CHECK(light > (multiscatter == Multiscatter::Off ? 0.75 : 0.95));
+        }
+}
+
 TEST_CASE("White furnace of rough glass loses nothing with the walk", "[render][furnace]") {
     Material glass = skewed(Multiscatter::Walk);
     glass.type = BsdfType::Dielectric;

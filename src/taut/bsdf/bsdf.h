@@ -25,15 +25,18 @@ class ScatteringPoint {
         view_.lobe = {length, area, info.refracts ? 0.5F / area : view_.reflections->pdfScale(), bsdf.correlated, bsdf.eta};
         if (bsdf.multiscatter != Multiscatter::Off) multiple_ = multiple::prepare(bsdf, wo);
         onBsdf(bsdf.type, [&](auto kind) {
-            if constexpr (requires { decltype(kind)::Class::split(bsdf, wo); }) view_.split = decltype(kind)::Class::split(bsdf, wo);
+            using Class = typename decltype(kind)::Class;
+            if constexpr (requires { Class::split(bsdf, wo); }) view_.split = Class::split(bsdf, wo);
+            if constexpr (requires { Class::prepare(view_, multiple_); }) Class::prepare(view_, multiple_);
         });
     }
 
     /// fCos and pdf of a given wi. `seed` names the walk, where there is one: another one for every call of a path.
     [[nodiscard]] BsdfEval evaluate(const Vec3 &wi, std::uint32_t seed = 0) const {
         if (multiple_.treatment == Multiscatter::Walk) {
-            const multiple::WalkEval e = multiple::evaluateWalk(view_.bsdf, view_.wo, wi, seed);
-            return {e.single.fCos + e.multiple.fCos, e.single.pdf + e.multiple.pdf};
+            const multiple::WalkEval e = evaluateParts(wi, seed);
+            const BsdfEval lobes = evaluateBeside(wi);
+            return {e.single.fCos + e.multiple.fCos + lobes.fCos, e.single.pdf + e.multiple.pdf + lobes.pdf};
         }
         if (multiple_.treatment == Multiscatter::Off) return evaluateSingle(wi);
         BsdfEval e = evaluateSingle(wi);
@@ -44,16 +47,31 @@ class ScatteringPoint {
         return e;
     }
 
-    /// In the parts that are weighed against light samples one by one: all of it is `single` but for a walk's second and later facets.
+    /// In the parts that are weighed against light samples one by one: all of it is `single` but for a walk's second and later facets,
+    /// and what evaluateBeside() gives.
     [[nodiscard]] multiple::WalkEval evaluateParts(const Vec3 &wi, std::uint32_t seed = 0) const {
-        if (multiple_.treatment == Multiscatter::Walk) return multiple::evaluateWalk(view_.bsdf, view_.wo, wi, seed);
-        return {evaluate(wi), {}};
+        if (multiple_.treatment != Multiscatter::Walk) return {evaluate(wi), {}};
+        multiple::WalkEval e = multiple::evaluateWalk(view_.bsdf, view_.wo, wi, seed);
+        if (!walksBesideLobes()) return e;
+        for (BsdfEval *part : {&e.single, &e.multiple}) {
+            part->fCos *= view_.layers.under;
+            part->pdf *= view_.layers.facets;
+        }
+        return e;
+    }
+    /// With a walk: the lobes beside it, a third part.
+    [[nodiscard]] BsdfEval evaluateBeside(const Vec3 &wi) const {
+        if (multiple_.treatment != Multiscatter::Walk) return {};
+        return onBsdf(view_.bsdf.type, [&](auto kind) -> BsdfEval {
+            if constexpr (requires { decltype(kind)::Class::beside(view_, wi); }) return decltype(kind)::Class::beside(view_, wi);
+            return {};
+        });
     }
 
     /// A wi with density evaluate(wi).pdf, or nothing where the sampled normal reflects below the horizon. `lobe` chooses
     /// between lobes, `u` the direction; both uniform in [0, 1). `seed` as above.
     [[nodiscard]] std::optional<BsdfSample> sample(const Vec2 &u, float lobe, std::uint32_t seed = 0) const {
-        if (multiple_.treatment == Multiscatter::Walk) return multiple::sampleWalk(view_.bsdf, view_.wo, u, seed);
+        if (multiple_.treatment == Multiscatter::Walk) return sampleWalk(u, lobe, seed);
         if (multiple_.treatment == Multiscatter::Compensation && lobe < multiple_.probability) return finish(squareToCosineHemisphere(u));
         // What is left of the number that chose the lobe is uniform again.
         const float rest = multiple_.probability > 0 ? (lobe - multiple_.probability) / (1 - multiple_.probability) : lobe;
@@ -64,21 +82,43 @@ class ScatteringPoint {
     }
 
   private:
+    [[nodiscard]] bool walksBesideLobes() const { return bsdfInfo(view_.bsdf.type).reads(kMetallicKey); }
+
+    [[nodiscard]] std::optional<BsdfSample> sampleWalk(const Vec2 &u, float lobe, std::uint32_t seed) const {
+        if (!walksBesideLobes()) return multiple::sampleWalk(view_.bsdf, view_.wo, u, seed);
+        const float facets = view_.layers.facets;
+        if (lobe < facets) {
+            std::optional<BsdfSample> s = multiple::sampleWalk(view_.bsdf, view_.wo, u, seed);
+            if (!s) return s;
+            s->weight *= view_.layers.under / facets;
+            s->pdf *= facets;
+            return s;
+        }
+        return onBsdf(view_.bsdf.type, [&](auto kind) -> std::optional<BsdfSample> {
+            using Class = typename decltype(kind)::Class;
+            if constexpr (requires { Class::sampleBeside(view_, u, lobe); }) {
+                const std::optional<Vec3> wi = Class::sampleBeside(view_, u, (lobe - facets) / (1 - facets));
+                return wi ? sampled(*wi, Class::beside(view_, *wi)) : std::nullopt;
+            }
+            return std::nullopt;
+        });
+    }
+
     [[nodiscard]] BsdfEval evaluateSingle(const Vec3 &wi) const {
         return onBsdf(view_.bsdf.type, [&](auto kind) { return decltype(kind)::Class::evaluate(view_, wi); });
     }
 
     /// Made in place: an optional that is copied after its parts were written waits for them.
-    [[nodiscard]] std::optional<BsdfSample> finish(const Vec3 &wi) const {
+    [[nodiscard]] std::optional<BsdfSample> finish(const Vec3 &wi) const { return sampled(wi, evaluate(wi)); }
+    [[nodiscard]] std::optional<BsdfSample> sampled(const Vec3 &wi, const BsdfEval &e) const {
         std::optional<BsdfSample> out;
-        const BsdfEval e = evaluate(wi);
         if (!(e.pdf > 0)) return out;
         BsdfSample &s = out.emplace();
         s.wi = wi;
         s.pdf = e.pdf;
         s.weight = e.fCos * (1 / e.pdf);
         s.transmitted = wi.z < 0;
-        s.etaScale = s.transmitted && bsdfInfo(view_.bsdf.type).refracts ? view_.bsdf.eta * view_.bsdf.eta : 1;
+        s.etaScale = s.transmitted && (bsdfInfo(view_.bsdf.type).refracts || view_.bsdf.refracts) ? view_.bsdf.eta * view_.bsdf.eta : 1;
         return out;
     }
 

@@ -11,7 +11,11 @@
 ///                 LaneSample sampleLane(const Bsdf &, const MicroTransform &, const LobeView &, float cap, const Vec3 &wo,
 ///                                       const Vec2 &u, float lobe)         the same for wi.z > 0, without branches;
 ///                 BsdfEval below(as above)                                 and, of what transmits, for wi.z < 0
-/// In layers `float split(const Bsdf &, const Vec3 &wo)` is the share of samples that the upper one gets.
+/// In layers `float split(const Bsdf &, const Vec3 &wo)` is the share of samples that the upper one gets. A kind with lobes beside its
+/// facets' that light of several facets can be followed on has
+///     void prepare(BsdfView &, MultipleScattering &)                       once a hit: LayerView, and what layers above take
+///     BsdfEval beside(const BsdfView &, const Vec3 &wi)                    those lobes alone, with the density of
+///     std::optional<Vec3> sampleBeside(const BsdfView &, const Vec2 &u, float lobe)
 
 #include <array>
 #include <cstdint>
@@ -33,7 +37,7 @@ enum BsdfKey : std::uint8_t {
     ROW(Dielectric,        .name = "dielectric", .keys = kIorKey, .manyFacets = true, .transmits = true, .refracts = true, .lanes = true)  \
     ROW(Diffuse,           .name = "diffuse", .microsurface = false, .lanes = true)                                                        \
     ROW(Coated,            .name = "coated", .keys = kIorKey)                                                                              \
-    ROW(MetallicRoughness, .name = "metallic_roughness", .keys = kIorKey | kMetallicKey)                                                   \
+    ROW(MetallicRoughness, .name = "metallic_roughness", .keys = kIorKey | kMetallicKey, .manyFacets = true, .transmits = true)                                                   \
     ROW(ThinGlass,         .name = "thin_glass", .keys = kIorKey, .transmits = true)
 // clang-format on
 
@@ -48,13 +52,14 @@ struct BsdfInfo {
     unsigned keys = 0;        ///< BsdfKey
     bool microsurface = true; ///< has an M: reads alpha, rotation, masking, Poisson's ratio
     bool manyFacets = false;  ///< light that meets several facets can be followed
-    bool transmits = false;   ///< to the other side of the surface
-    bool refracts = false;    ///< which is another medium: seen from the inside the index is inverted, and radiance scales
+    bool transmits = false;   ///< to the other side of the surface, where the material lets it
+    bool refracts = false;    ///< which is another medium: seen from the inside the index is inverted, and radiance scales; of
+                              ///< metallic-roughness the material says so (Bsdf::refracts)
     bool lanes = false;       ///< many hits can be shaded at once (render/hit_lanes.h)
 
     [[nodiscard]] constexpr bool reads(BsdfKey key) const { return (keys & key) != 0; }
     /// Whether a closed lobe can stand in for light of several facets: all of that is reflected.
-    [[nodiscard]] constexpr bool compensates() const { return manyFacets && !transmits; }
+    [[nodiscard]] constexpr bool compensates() const { return manyFacets && !refracts; }
 };
 
 #define TAUT_INFO(TYPE, ...) BsdfInfo{.type = BsdfType::TYPE, __VA_ARGS__},

@@ -9,6 +9,13 @@ namespace taut {
 /// Share of reflections that may be lost to the horizon before the sampler that loses none is worth its preparation.
 inline constexpr float kBearableWaste = 0.1F;
 
+/// A film whose interference colours what is reflected (thin_film.h).
+struct ThinFilm {
+    float share = 0; ///< of the surface that has one
+    float ior = 1.3F;
+    float thickness = 400; ///< nanometres
+};
+
 /// Everything needed to scatter at a hit. What a field means depends on the type.
 struct Bsdf {
     BsdfType type = BsdfType::Diffuse;
@@ -23,6 +30,20 @@ struct Bsdf {
     Vec3 tint{1};                         ///< of what passes
     Vec3 conductorEta{1};
     Vec3 conductorK{0};
+
+    // Metallic-roughness alone.
+    float f90 = 1;         ///< reflectance at grazing, f0 that at normal incidence
+    float coverF0 = 0;     ///< what its dielectric part reflects, and layers below do not get, in the brightest channel
+    float coverF90 = 0;    ///< and at grazing
+    bool refracts = false; ///< what passes enters a volume; else it goes straight on
+    float metallic = 0;    ///< share of the metal
+    Vec3 dielectricF0{0};  ///< of that part alone
+    Vec3 metalF0{0};       ///< and of this
+    ThinFilm film;
+    float coat = 0;           ///< share of a clear coat
+    MicroTransform coatMicro; ///< and its microsurface
+    Vec3 sheenColor{0};       ///< of fibres on the surface
+    float sheenAlpha = 1;     ///< sheen.h
 };
 
 /// A material's numbers at a hit, textures looked up: what a Bsdf is made from.
@@ -32,6 +53,15 @@ struct MaterialValues {
     float metallic = 0;
     float coatEscape = 1; ///< coatEscape(ior), worked out once
     Vec3 conductorEta{1}, conductorK{0};
+    // Metallic-roughness, as in Material.
+    float specular = 1;
+    Vec3 specularColor{1};
+    float transmission = 0;
+    bool thinWalled = true;
+    float clearcoat = 0;
+    Vec3 sheenColor{0};
+    float sheenAlpha = 1;
+    ThinFilm film;
 };
 
 struct BsdfEval {
@@ -45,6 +75,15 @@ struct BsdfSample {
     float pdf = 0;
     float etaScale = 1; ///< square of the relative index crossed (radiance scaling), for Russian roulette
     bool transmitted = false;
+};
+
+/// What is done about light of several facets for one wo.
+struct MultipleScattering {
+    Multiscatter treatment = Multiscatter::Off; ///< Off, Compensation or Walk
+    float loss = 0;                             ///< share of energy that meets more than one facet, F = 1
+    float lossMean = 0;                         ///< compensation: its cosine-weighted mean over the hemisphere
+    float probability = 0;                      ///< compensation: of sampling the compensating lobe
+    Vec3 color{0};                              ///< compensation: of the lobe
 };
 
 /// A direction sampled among many at once: no answer but where `usable` > 0.

@@ -44,23 +44,13 @@ struct DielectricBsdf {
             });
         return {Vec3(e.fCos.x, e.fCos.y, e.fCos.z), e.pdf * facet};
     }
-    /// eq. 21, as radiance: without the factor eta^2; fCos means nothing where the density is 0.
+    /// refractionLobe(), tinted.
     [[gnu::always_inline]] static BsdfEval below(const Bsdf &bsdf, const MicroTransform &m, const LobeView &view, const Vec3 &wo,
                                                  const Vec3 &wi) {
-        const Vec3 h = facet::refractionHalf(wo, wi, view.eta);
-        const float inverse = 1 / std::sqrt(glm::dot(h, h));
-        const float cosO = glm::dot(wo, h) * inverse;
-        const float jacobian = facet::refractionJacobian(cosO, glm::dot(wi, h) * inverse, view.eta);
-        const float transmitted = 1 - fresnel::dielectric(cosO, view.eta);
-        const float visible = 2 * cosO * ggx::distribution(m, h) / view.area; // D_vis
-        // G2 / G1(wo): what is left of the light on its way out.
-        const float lambdaI = ggx::lambda(m, wi);
-        const float lambdaO = ggx::lambda(m, wo);
-        const float both = ggx::shadowing(lambdaO, lambdaI, false, view.correlated) * (1 + lambdaO);
-        const float leaving = wo.z > 0 ? both : 1 / (1 + lambdaI);
-        const float pdf = transmitted * visible * jacobian;
-        const Vec3 fCos = bsdf.tint * (pdf * leaving / (view.eta * view.eta));
-        return {Vec3(fCos.x, fCos.y, fCos.z), jacobian > 0 ? pdf : 0.0F};
+        const BsdfEval e = refractionLobe(
+            m, view, wo, wi, [&](float cosine) __attribute__((always_inline)) { return 1 - fresnel::dielectric(cosine, view.eta); });
+        const Vec3 fCos = bsdf.tint * e.fCos.x;
+        return {Vec3(fCos.x, fCos.y, fCos.z), e.pdf};
     }
     [[gnu::always_inline]] static LaneSample sampleLane(const Bsdf &, const MicroTransform &m, const LobeView &view, float /*cap*/,
                                                         const Vec3 &wo, const Vec2 &u, float lobe) {

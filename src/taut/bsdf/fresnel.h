@@ -17,11 +17,15 @@ namespace taut::fresnel {
     return g2 > 0 ? reflected : 1.0F;
 }
 
-/// Schlick 1994 with reflectance f0 at normal incidence.
-inline Vec3 schlick(float cosine, const Vec3 &f0) {
+/// (1 - cosine)^5: how far Schlick's reflectance has gone from normal incidence to grazing.
+inline float schlickShare(float cosine) {
     const float m = 1 - glm::clamp(cosine, 0.0F, 1.0F);
     const float m2 = m * m;
-    return f0 + (Vec3(1) - f0) * (m2 * m2 * m);
+    return m2 * m2 * m;
+}
+/// Schlick 1994 with reflectance f0 at normal incidence and f90 at grazing.
+inline Vec3 schlick(float cosine, const Vec3 &f0, float f90 = 1) {
+    return f0 + (Vec3(f90) - f0) * schlickShare(cosine);
 }
 
 /// Conductor of complex index eta + i k (relative to the outside), exact.

@@ -9,15 +9,6 @@
 
 namespace taut {
 
-/// What is done about multiple scattering for one wo.
-struct MultipleScattering {
-    Multiscatter treatment = Multiscatter::Off; ///< Off, Compensation or Walk
-    float loss = 0;                             ///< share of energy that meets more than one facet, F = 1
-    float lossMean = 0;                         ///< compensation: its cosine-weighted mean over the hemisphere
-    float probability = 0;                      ///< compensation: of sampling the compensating lobe
-    Vec3 color{0};                              ///< compensation: of the lobe
-};
-
 namespace multiple {
 
 [[gnu::noinline]] inline MultipleScattering prepare(const Bsdf &bsdf, Vec3 wo) {
@@ -64,12 +55,20 @@ struct WalkEval {
 };
 
 inline float singleWalkPdf(const Bsdf &bsdf, const Vec3 &wo, const Vec3 &wi) {
-    if (bsdfInfo(bsdf.type).transmits) return walk::evaluateSingle(bsdf.micro, wo, wi, DielectricInterface{bsdf.eta}).x;
+    if (bsdfInfo(bsdf.type).refracts) return walk::evaluateSingle(bsdf.micro, wo, wi, DielectricInterface{bsdf.eta}).x;
     return wi.z > 0 ? walk::evaluateSingle(bsdf.micro, wo, wi, walk::UniformReflector{}).x : 0.0F;
 }
 inline float multipleWalkPdf(const Bsdf &bsdf, const Vec3 &wi) {
-    if (!bsdfInfo(bsdf.type).transmits && !(wi.z > 0)) return 0;
+    if (!bsdfInfo(bsdf.type).refracts && !(wi.z > 0)) return 0;
     return std::max(kInvPi * std::fabs(wi.z), bsdf.micro.det * (kInvPi / 4)); // D / 4 at its peak
+}
+
+/// The interface that one walk is of.
+template <class Interface> Interface walked(const Interface &facet, walk::Random &random) {
+    if constexpr (requires { facet.partOfWalk(0.0F); })
+        return facet.partOfWalk(random.uniform());
+    else
+        return facet;
 }
 
 [[gnu::noinline]] inline WalkEval evaluateWalk(const Bsdf &bsdf, Vec3 wo, Vec3 wi, std::uint32_t seed) {
@@ -82,14 +81,15 @@ inline float multipleWalkPdf(const Bsdf &bsdf, const Vec3 &wi) {
     const Vec3 scale = radianceScale(bsdf, wi.z < 0);
     withInterface(bsdf, [&](const auto &facet) {
         e.single.fCos = walk::evaluateSingle(bsdf.micro, wo, wi, facet) * scale;
-        e.multiple.fCos = walk::evaluateMultiple(bsdf.micro, wo, wi, facet, first, random) * scale;
+        e.multiple.fCos = walk::evaluateMultiple(bsdf.micro, wo, wi, walked(facet, random), first, random) * scale;
     });
     return e;
 }
 
 [[gnu::noinline]] inline std::optional<BsdfSample> sampleWalk(const Bsdf &bsdf, Vec3 wo, Vec2 u, std::uint32_t seed) {
     walk::Random random(seed);
-    const walk::Exit exit = withInterface(bsdf, [&](const auto &facet) { return walk::sample(bsdf.micro, wo, facet, u, random); });
+    const walk::Exit exit =
+        withInterface(bsdf, [&](const auto &facet) { return walk::sample(bsdf.micro, wo, walked(facet, random), u, random); });
     BsdfSample s;
     s.wi = exit.w;
     s.pdf = exit.bounces == 1 ? singleWalkPdf(bsdf, wo, exit.w) : multipleWalkPdf(bsdf, exit.w);

@@ -20,7 +20,8 @@ GlossMaterial toGlossMaterial(const Material &from) {
     out.name = from.name;
     out.color = from.color.value;
     out.ior = from.ior;
-    out.metal = bsdfInfo(from.type).compensates() || (bsdfInfo(from.type).reads(kMetallicKey) && from.metallic.value > 0.5F);
+    const BsdfInfo &info = bsdfInfo(from.type);
+    out.metal = info.reads(kMetallicKey) ? from.metallic.value > 0.5F : info.compensates();
     if (from.type == BsdfType::Metal)
         for (int c = 0; c < 3; ++c) { // reflectance at normal incidence
             const float k2 = sqr(from.conductorK[c]);

@@ -7,8 +7,8 @@
 
 namespace taut {
 
-/// Puts a ray into one lane of an RTCRayHit8 / RTCRayHit16.
-template <class Packet> void setLane(Packet &packet, std::size_t lane, const Ray &ray) {
+/// Puts a ray into one lane of an RTCRayHit8 / RTCRayHit16; `id` is what filters know it by.
+template <class Packet> void setLane(Packet &packet, std::size_t lane, const Ray &ray, unsigned id = 0) {
     packet.ray.org_x[lane] = ray.origin.x;
     packet.ray.org_y[lane] = ray.origin.y;
     packet.ray.org_z[lane] = ray.origin.z;
@@ -19,14 +19,14 @@ template <class Packet> void setLane(Packet &packet, std::size_t lane, const Ray
     packet.ray.tfar[lane] = ray.farthest;
     packet.ray.time[lane] = ray.time;
     packet.ray.mask[lane] = 0xffffffffU;
-    packet.ray.id[lane] = 0;
+    packet.ray.id[lane] = id;
     packet.ray.flags[lane] = 0;
     packet.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
     packet.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
 }
 
 /// A shadow ray for Embree's stream calls.
-inline RTCRay shadowRay(const Ray &ray) {
+inline RTCRay shadowRay(const Ray &ray, unsigned id = 0) {
     return {ray.origin.x,
             ray.origin.y,
             ray.origin.z,
@@ -37,7 +37,7 @@ inline RTCRay shadowRay(const Ray &ray) {
             ray.time,
             ray.farthest,
             0xffffffffU,
-            0,
+            id,
             0};
 }
 

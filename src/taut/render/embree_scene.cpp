@@ -25,6 +25,36 @@ bool countBytes(void *count, ssize_t bytes, bool) {
     return true;
 }
 
+/// Asked by Embree on the thread that traces, which has the batch's test here: of a context from elsewhere nothing could be known.
+thread_local const SurfaceTest *currentTest = nullptr;
+
+class WithTest {
+  public:
+    explicit WithTest(const SurfaceTest *test) { currentTest = test; }
+    WithTest(const WithTest &) = delete;
+    WithTest &operator=(const WithTest &) = delete;
+    ~WithTest() { currentTest = nullptr; }
+};
+
+/// A hit of one BVH's geometry, or of an instance's: the outer one's number.
+Index geometryOf(unsigned geometry, unsigned instance) {
+    return instance == RTC_INVALID_GEOMETRY_ID ? geometry : instance;
+}
+
+void keepSurfaces(const RTCFilterFunctionNArguments *args) {
+    if (currentTest == nullptr) return;
+    for (unsigned i = 0; i < args->N; ++i) {
+        if (args->valid[i] != -1) continue;
+        Hit hit;
+        hit.t = RTCRayN_tfar(args->ray, args->N, i);
+        hit.u = RTCHitN_u(args->hit, args->N, i);
+        hit.v = RTCHitN_v(args->hit, args->N, i);
+        hit.geometry = geometryOf(RTCHitN_geomID(args->hit, args->N, i), RTCHitN_instID(args->hit, args->N, i, 0));
+        hit.primitive = RTCHitN_primID(args->hit, args->N, i);
+        if (!currentTest->isThere(RTCRayN_id(args->ray, args->N, i), hit)) args->valid[i] = 0;
+    }
+}
+
 /// Traces rays [begin, begin + N) as one packet of Embree's N-wide call.
 template <int N, class Packet, void (*Trace)(const int *, RTCScene, RTCIntersectContext *, Packet *)>
 void intersectPacket(RTCScene scene, std::span<const Ray> rays, std::size_t begin, std::span<Hit> hits) {
@@ -34,7 +64,7 @@ void intersectPacket(RTCScene scene, std::span<const Ray> rays, std::size_t begi
     for (std::size_t i = 0; i < N; ++i) {
         const Ray &ray = rays[begin + std::min(i, count - 1)];
         valid[i] = i < count ? -1 : 0;
-        setLane(packet, i, ray);
+        setLane(packet, i, ray, static_cast<unsigned>(begin + i));
     }
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
@@ -45,8 +75,7 @@ void intersectPacket(RTCScene scene, std::span<const Ray> rays, std::size_t begi
         hit.t = packet.ray.tfar[i];
         hit.u = packet.hit.u[i];
         hit.v = packet.hit.v[i];
-        const unsigned instance = packet.hit.instID[0][i];
-        hit.geometry = instance == RTC_INVALID_GEOMETRY_ID ? packet.hit.geomID[i] : instance;
+        hit.geometry = geometryOf(packet.hit.geomID[i], packet.hit.instID[0][i]);
         hit.primitive = packet.hit.primID[i];
     }
 }
@@ -61,6 +90,7 @@ struct EmbreeScene::State {
     std::vector<RTCScene> instanced; ///< the BVHs behind instances
     std::vector<RTCScene> behind;    ///< [geometries] that of an instance; null: none
     std::vector<unsigned> steps;     ///< [geometries] times in the shutter
+    std::vector<unsigned char> asks; ///< [geometries]
 
     Index attach(RTCGeometry geometry, std::size_t times);
     Index instance(RTCScene of, std::size_t times);
@@ -107,6 +137,8 @@ Index EmbreeScene::State::attach(RTCGeometry geometry, std::size_t times) {
     rtcReleaseGeometry(geometry);
     steps.resize(std::max<std::size_t>(steps.size(), id + 1));
     steps[id] = static_cast<unsigned>(times);
+    behind.resize(steps.size(), nullptr);
+    asks.resize(steps.size(), 0);
     return id;
 }
 
@@ -115,7 +147,6 @@ Index EmbreeScene::State::instance(RTCScene of, std::size_t times) {
     rtcSetGeometryInstancedScene(geometry, of);
     rtcSetGeometryTimeStepCount(geometry, static_cast<unsigned>(times));
     const Index id = attach(geometry, times);
-    behind.resize(std::max<std::size_t>(behind.size(), id + 1));
     behind[id] = of;
     return id;
 }
@@ -149,6 +180,21 @@ std::size_t EmbreeScene::instancedBvhs() const {
     return state_->instanced.size();
 }
 
+void EmbreeScene::ask(Index geometry, bool asks) {
+    State &s = *state_;
+    s.asks[geometry] = asks ? 1 : 0;
+    RTCScene own = s.behind[geometry];
+    bool any = asks; // of the instances of one BVH
+    for (Index other = 0; own != nullptr && other < s.behind.size(); ++other) any |= s.behind[other] == own && s.asks[other] != 0;
+    RTCGeometry triangles = own != nullptr ? rtcGetGeometry(own, 0) : rtcGetGeometry(s.scene, geometry);
+    rtcSetGeometryIntersectFilterFunction(triangles, any ? keepSurfaces : nullptr);
+    rtcSetGeometryOccludedFilterFunction(triangles, any ? keepSurfaces : nullptr);
+    rtcCommitGeometry(triangles);
+    if (own == nullptr) return;
+    rtcCommitScene(own);
+    rtcCommitGeometry(rtcGetGeometry(s.scene, geometry));
+}
+
 void EmbreeScene::place(Index geometry, std::span<const Affine> renderFromLocal) {
     RTCGeometry instance = rtcGetGeometry(state_->scene, geometry);
     for (unsigned step = 0; step < state_->steps[geometry]; ++step)
@@ -170,21 +216,23 @@ void EmbreeScene::commit() {
     if (error != RTC_ERROR_NONE) throw RunError("Embree failed to build its scene (error " + std::to_string(static_cast<int>(error)) + ")");
 }
 
-void EmbreeScene::intersect(std::span<const Ray> rays, bool coherent, std::span<Hit> hits) const {
+void EmbreeScene::intersect(std::span<const Ray> rays, bool coherent, std::span<Hit> hits, const SurfaceTest *test) const {
+    const WithTest with(test);
     if (coherent)
         for (std::size_t i = 0; i < rays.size(); i += 16) intersectPacket<16, RTCRayHit16, rtcIntersect16>(state_->scene, rays, i, hits);
     else
         for (std::size_t i = 0; i < rays.size(); i += 8) intersectPacket<8, RTCRayHit8, rtcIntersect8>(state_->scene, rays, i, hits);
 }
 
-void EmbreeScene::occluded(std::span<const Ray> rays, std::span<unsigned char> blocked) const {
+void EmbreeScene::occluded(std::span<const Ray> rays, std::span<unsigned char> blocked, const SurfaceTest *test) const {
+    const WithTest with(test);
     constexpr std::size_t kStream = 256;
     std::array<RTCRay, kStream> stream;
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     for (std::size_t begin = 0; begin < rays.size(); begin += kStream) {
         const std::size_t count = std::min(kStream, rays.size() - begin);
-        for (std::size_t i = 0; i < count; ++i) stream[i] = shadowRay(rays[begin + i]);
+        for (std::size_t i = 0; i < count; ++i) stream[i] = shadowRay(rays[begin + i], static_cast<unsigned>(begin + i));
         rtcOccluded1M(state_->scene, &context, stream.data(), static_cast<unsigned>(count), sizeof(RTCRay));
         for (std::size_t i = 0; i < count; ++i) blocked[begin + i] = stream[i].tfar < 0 ? 1 : 0;
     }

@@ -10,6 +10,18 @@
 
 namespace taut {
 
+/// Says of every meeting of a ray with a geometry that asks (EmbreeScene::ask) whether there is a surface. Called by all threads, in any
+/// order along the ray, and more than once for a triangle: the answer must be the same each time.
+class SurfaceTest {
+  public:
+    SurfaceTest() = default;
+    SurfaceTest(const SurfaceTest &) = delete;
+    SurfaceTest &operator=(const SurfaceTest &) = delete;
+    virtual ~SurfaceTest() = default;
+    /// `ray`: its place in the batch.
+    [[nodiscard]] virtual bool isThere(std::size_t ray, const Hit &hit) const = 0;
+};
+
 class EmbreeScene {
   public:
     /// `refits`: meshes will be refitted between commits, each with a BVH of its own that rays take longer through; else one BVH over
@@ -35,6 +47,9 @@ class EmbreeScene {
     /// Moves an instance; as many maps as it was added with.
     void place(Index geometry, std::span<const Affine> renderFromLocal);
 
+    /// Whether rays ask, each time they meet this geometry, if there is a surface; not so at first. Costs nothing where it does not ask.
+    void ask(Index geometry, bool asks);
+
     /// Says that the positions of a mesh that is no instance have changed. Its BVH is refitted, or built anew where that is asked for,
     /// where the scene does not refit and where there are several times (Embree 3 refits none of these).
     void update(Index geometry, bool rebuild);
@@ -42,11 +57,12 @@ class EmbreeScene {
     /// Builds or refits what has changed.
     void commit();
 
-    /// Closest hits. `coherent` rays (neighbours side by side) go 16 wide, others 8 wide. hits.size() == rays.size().
-    void intersect(std::span<const Ray> rays, bool coherent, std::span<Hit> hits) const;
+    /// Closest hits. `coherent` rays (neighbours side by side) go 16 wide, others 8 wide. hits.size() == rays.size(). Without a test all
+    /// surfaces are there.
+    void intersect(std::span<const Ray> rays, bool coherent, std::span<Hit> hits, const SurfaceTest *test = nullptr) const;
 
     /// True at i where ray i meets anything in [nearest, farthest].
-    void occluded(std::span<const Ray> rays, std::span<unsigned char> blocked) const;
+    void occluded(std::span<const Ray> rays, std::span<unsigned char> blocked, const SurfaceTest *test = nullptr) const;
 
     /// BVHs behind instances.
     [[nodiscard]] std::size_t instancedBvhs() const;

@@ -247,8 +247,8 @@ PlainMaterial plainMaterial(const PreparedMaterial &prepared) {
     PlainMaterial plain;
     const Material &m = *prepared.material;
     const BsdfInfo &info = bsdfInfo(m.type);
-    if (!info.lanes || m.color.texture != kNone || m.metallic.texture != kNone || m.poisson != 0) return plain;
-    plain.bsdf = bsdfOf(prepared, m.color.value, m.metallic.value, 1);
+    if (!info.lanes || m.unlit || m.color.texture != kNone || m.metallic.texture != kNone || m.poisson != 0) return plain;
+    plain.bsdf = bsdfOf(prepared, valuesOf(prepared, m.color.value), 1);
     if (info.microsurface) {
         const bool textured = m.alphaX.texture != kNone || m.alphaY.texture != kNone || m.rotation.texture != kNone ||
                               m.anisotropyTexture != kNone || m.anisotropyStrength != 0;

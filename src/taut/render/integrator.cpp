@@ -36,6 +36,7 @@ PathTracer::PathTracer(const RenderScene &scene, const std::vector<PreparedMater
     for (const PreparedMaterial &material : materials) s.plainMaterials.push_back(plainMaterial(material));
     for (const RenderObject &object : scene.objects()) s.plainObjects.push_back(!settings.oneByOne && isPlain(object) ? 1 : 0);
     s.waiting.resize(materials.size());
+    for (const PreparedMaterial &material : materials) s.hasMedia |= material.extinction != Vec3(0);
 }
 PathTracer::~PathTracer() = default;
 
@@ -64,9 +65,29 @@ void PathTracer::State::shadeAll(int event, const std::vector<Aov> &wanted, int 
     rays.swap(nextRays);
 }
 
-void PathTracer::State::testShadows() {
+void PathTracer::State::intersect(int event) {
+    hits.resize(rays.size());
+    if (!scene.surfacesMayBeAbsent()) return scene.embree().intersect(rays, event == 0, hits);
+    const Surfaces test(*this, false, dimensionOf(event, kSurfaces));
+    scene.embree().intersect(rays, event == 0, hits, &test);
+}
+
+/// Beer's law on the way to the next surface; what finds none was never inside of one.
+void PathTracer::State::attenuate() {
+    for (std::size_t i = 0; i < active.size(); ++i) {
+        Path &path = paths[active[i]];
+        if (path.extinction != Vec3(0) && hits[i].geometry != kNone) path.throughput *= glm::exp(-path.extinction * hits[i].t);
+    }
+}
+
+void PathTracer::State::testShadows(int event) {
     blocked.resize(shadowRays.size());
-    scene.embree().occluded(shadowRays, blocked);
+    if (scene.surfacesMayBeAbsent()) {
+        const Surfaces test(*this, true, dimensionOf(event, kShadowSurfaces));
+        scene.embree().occluded(shadowRays, blocked, &test);
+    } else {
+        scene.embree().occluded(shadowRays, blocked);
+    }
     for (std::size_t i = 0; i < shadowTests.size(); ++i)
         if (blocked[i] == 0) paths[shadowTests[i].path].radiance += shadowTests[i].contribution;
 }
@@ -94,15 +115,15 @@ bool PathTracer::traceTile(const Window &tile, int firstSample, int lastSample, 
                 into.insert(into.end(), s.rays.begin(), s.rays.end());
             }
             times.shading += secondsSince(clock);
-            s.hits.resize(s.rays.size());
-            s.scene.embree().intersect(s.rays, event == 0, s.hits);
+            s.intersect(event);
             (event == 0 ? times.cameraRays : times.scatteredRays) += secondsSince(clock);
+            if (s.hasMedia) s.attenuate();
             s.shadeAll(event, film.aovs(), aovChannels);
             times.shading += secondsSince(clock);
             counts.shadow += s.shadowRays.size();
             if (s.settings.record != nullptr)
                 s.settings.record->shadow.insert(s.settings.record->shadow.end(), s.shadowRays.begin(), s.shadowRays.end());
-            s.testShadows();
+            s.testShadows(event);
             times.shadowRays += secondsSince(clock);
         }
         const std::lock_guard lock(access.lock);

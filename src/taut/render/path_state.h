@@ -1,7 +1,7 @@
 #pragma once
 /// The paths of a batch under way, their rays and their place in the sample sequence. Internal to the integrator: integrator.cpp says
 /// what happens when, path_state.cpp starts paths and ends them outside of surfaces, shade_hit.cpp scatters them one by one, gather.cpp
-/// many at once.
+/// many at once, surface_test.cpp says what they meet.
 
 #include "taut/base/sobol.h"
 #include "taut/render/camera_rays.h"
@@ -12,6 +12,8 @@ namespace taut {
 
 /// Dimensions of the sample sequence that every event draws.
 enum EventDimension : std::uint32_t { kScatterDirection, kScatterLobe, kLightPoint, kLightChoice, kRoulette, kPerEvent };
+/// And those that only some scenes draw, far above: the others keep theirs.
+enum RareDimension : std::uint32_t { kSurfaces = 0x40000000, kShadowSurfaces = 0x80000000 };
 
 struct Path {
     Vec3 throughput{1};
@@ -19,7 +21,8 @@ struct Path {
     float alpha = 0;
     float scatterPdf = 0; ///< of the ray under way; 0: a camera ray
     float etaScale = 1;
-    float time = 0; ///< within the shutter
+    Vec3 extinction{0}; ///< of the medium that the ray under way is in
+    float time = 0;     ///< within the shutter
     int x = 0, y = 0;
     std::uint32_t sample = 0;
     std::uint32_t seed = 0; ///< of the pixel
@@ -66,6 +69,8 @@ struct PathTracer::State {
     std::vector<std::vector<Index>> waiting;   ///< [materials] hits of this event
     std::unique_ptr<HitLanes> lanes = std::make_unique<HitLanes>();
 
+    bool hasMedia = false; ///< a material attenuates light inside
+
     std::vector<Index> escaped; ///< positions in `active` of paths whose way out is still to be looked up
     EnvironmentLanes sky;
 
@@ -78,9 +83,14 @@ struct PathTracer::State {
     static std::uint32_t dimensionOf(int event, EventDimension which) {
         return kCameraDimensions + static_cast<std::uint32_t>(event) * kPerEvent + which;
     }
+    static std::uint32_t dimensionOf(int event, RareDimension which) { return static_cast<std::uint32_t>(event) + which; }
+
+    class Surfaces;
 
     void startPaths(const Window &tile, int firstSample, int lastSample);
     void addPaths();
+    void intersect(int event);
+    void attenuate();
     void shadeAll(int event, const std::vector<Aov> &wanted, int aovChannels);
     void escape(std::size_t i);
     void lookUpEscaped();
@@ -93,7 +103,21 @@ struct PathTracer::State {
     void gather(std::size_t lane, std::size_t i);
     void shadeAtOnce(int event, const PlainMaterial &material, std::span<const Index> chunk);
     void connectLight(int event, Index index, const SurfacePoint &point, const ScatteringPoint &scattering);
-    void testShadows();
+    void testShadows(int event);
+};
+
+/// Opacity and culling: whether a surface is there for a ray of a path. Blended ones are for a share of the samples that is their opacity,
+/// drawn for each triangle from a sequence of its own, so that layers are independent and each is stratified.
+class PathTracer::State::Surfaces final : public SurfaceTest {
+  public:
+    /// `dimension` tells apart the batches of a path.
+    Surfaces(const State &state, bool shadows, std::uint32_t dimension) : state_(state), shadows_(shadows), dimension_(dimension) {}
+    [[nodiscard]] bool isThere(std::size_t ray, const Hit &hit) const override;
+
+  private:
+    const State &state_;
+    bool shadows_;
+    std::uint32_t dimension_;
 };
 
 } // namespace taut

@@ -12,9 +12,10 @@ LightEntry placed(const Light &light, const DMat4 &renderFromWorld) {
     return entry;
 }
 
-/// A textured emitter is met by scattered rays alone: its texture is not part of the light table.
-bool isSampled(const Object &object) {
-    return object.emission.value != Vec3(0) && object.emission.texture == kNone;
+/// A textured emitter is met by scattered rays alone: its texture is not part of the light table. Nor is where an emitter is absent.
+bool isSampled(const RenderObject &object) {
+    const ColorParam &emission = object.object->emission;
+    return emission.value != Vec3(0) && emission.texture == kNone && !object.mayBeAbsent;
 }
 
 LightEntry emitter(const RenderObject &object) {
@@ -47,7 +48,7 @@ bool placeLights(const Scene &scene, std::span<const RenderObject> objects, cons
     bool moved = false;
     table.entryOfObject.assign(objects.size(), kNone);
     for (std::size_t i = 0; i < objects.size(); ++i) {
-        if (!isSampled(*objects[i].object)) continue;
+        if (!isSampled(objects[i])) continue;
         table.entryOfObject[i] = static_cast<Index>(entries.size());
         entries.push_back(emitter(objects[i]));
         moved |= objects[i].moved;

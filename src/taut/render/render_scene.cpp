@@ -113,6 +113,18 @@ Index RenderScene::addInstance(const RenderObject &object) {
     return shared = embree_->addInstance(object.steps.front().positions, object.surface.triangles, object.placements);
 }
 
+/// Materials may have changed since the last frame.
+void RenderScene::askForSurfaces() {
+    surfacesMayBeAbsent_ = false;
+    for (RenderObject &object : objects_) {
+        const std::vector<Index> &materials = object.object->materials;
+        const bool asks = std::any_of(materials.begin(), materials.end(), [&](Index m) { return mayBeAbsent(scene_.materialAt(m)); });
+        if (asks != object.mayBeAbsent) embree_->ask(object.geometry, asks);
+        object.mayBeAbsent = asks;
+        surfacesMayBeAbsent_ |= asks;
+    }
+}
+
 void RenderScene::setFrame(double frame, StageTimes &times) {
     const RenderSettings &render = scene_.render;
     const DMat4 before = worldFromRender_;
@@ -153,6 +165,7 @@ void RenderScene::setFrame(double frame, StageTimes &times) {
         times.bvh += watch.lap();
     }
     Stopwatch watch;
+    askForSurfaces();
     placeLights(scene_, objects_, worldFromRender_, renderFromWorld, lights_);
     embree_->commit();
     committed_ = true;

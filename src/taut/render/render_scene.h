@@ -68,6 +68,8 @@ class RenderScene {
     [[nodiscard]] const Scene &scene() const { return scene_; }
     /// Whether deforming meshes have BVHs that can be refitted; else everything is built anew when something deforms.
     [[nodiscard]] bool refits() const { return refits_; }
+    /// Whether any material lets rays pass as if there were no surface: then traversal needs a SurfaceTest.
+    [[nodiscard]] bool surfacesMayBeAbsent() const { return surfacesMayBeAbsent_; }
     [[nodiscard]] const EmbreeScene &embree() const { return *embree_; }
     [[nodiscard]] const std::vector<RenderObject> &objects() const { return objects_; }
     [[nodiscard]] const LightTable &lights() const { return lights_; }
@@ -84,6 +86,7 @@ class RenderScene {
     [[nodiscard]] Index lightEntryOfObject(Index object) const { return lights_.entryOfObject[object]; }
 
   private:
+    void askForSurfaces();
     void moveCamera(double frame, const DMat4 &renderFromWorld);
 
     Index addInstance(const RenderObject &object);
@@ -101,6 +104,7 @@ class RenderScene {
     std::vector<Affine> cameraSteps_;
     DMat4 worldFromRender_{1};
     bool committed_ = false;
+    bool surfacesMayBeAbsent_ = false;
     // What the objects were last brought to.
     double frame_ = 0;
     std::vector<unsigned char> changed_; // [objects] since then

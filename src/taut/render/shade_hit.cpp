@@ -18,7 +18,8 @@ void PathTracer::State::connectLight(int event, Index index, const SurfacePoint 
         const float weight = light.delta ? 1.0F : powerHeuristic(light.pdf, part.pdf);
         return path.throughput * part.fCos * light.radiance * (weight / light.pdf);
     };
-    const Vec3 contribution = weighed(single) + weighed(multiple);
+    Vec3 contribution = weighed(single) + weighed(multiple) + weighed(scattering.evaluateBeside(wi));
+    if (path.extinction != Vec3(0) && side > 0 && light.distance < kInfinity) contribution *= glm::exp(-path.extinction * light.distance);
     if (!(maxComponent(contribution) > 0)) return;
     shadowRays.push_back(shadowRay(offsetOrigin(point, side > 0), point.position, light.direction, light.distance, path.time));
     shadowTests.push_back({index, contribution});
@@ -43,7 +44,8 @@ void PathTracer::State::shade(int event, Index index, const Ray &ray, const Hit 
         }
         path.radiance += path.throughput * point.emission * weight;
     }
-    if (event >= settings.maxEvents) return;
+    if (!point.scatters) path.radiance += path.throughput * point.baseColor;
+    if (event >= settings.maxEvents || !point.scatters) return;
 
     const Vec3 wo = point.frame.toLocal(-ray.direction);
     const ScatteringPoint scattering(point.bsdf, wo);
@@ -59,6 +61,7 @@ void PathTracer::State::shade(int event, Index index, const Ray &ray, const Hit 
     path.throughput *= sampled->weight;
     path.etaScale *= sampled->etaScale;
     path.scatterPdf = sampled->pdf;
+    if (sampled->transmitted && point.bsdf.refracts) path.extinction = point.extinction; // none beyond a back face
     const float chance = chanceToGoOn(path.throughput, path.etaScale);
     if (!(random1(path, dimensionOf(event, kRoulette)) < chance)) return;
     path.throughput *= 1 / chance;

@@ -9,22 +9,59 @@ namespace {
 Multiscatter multiscatterAt(const PreparedMaterial &prepared, const MicroTransform &m) {
     const Multiscatter model = multiscatterOf(*prepared.material, prepared.multiscatter.model);
     if (model != Multiscatter::Auto) return model;
-    return chooseMultiscatter(m, bsdfInfo(prepared.material->type).transmits, prepared.multiscatter.negligibleLoss);
+    return chooseMultiscatter(m, !bsdfInfo(prepared.material->type).compensates(), prepared.multiscatter.negligibleLoss);
+}
+
+/// A material's values at a point.
+MaterialValues valuesAt(const PreparedMaterial &prepared, const Scene &scene, const SurfacePoint &point) {
+    MaterialValues values = valuesOf(prepared, point.baseColor);
+    const Material &m = *prepared.material;
+    if (!bsdfInfo(m.type).reads(kMetallicKey)) return values;
+    const auto share = [&](const auto &param) { return evaluateShare(param, scene, point.uv); };
+    values.metallic = share(m.metallic);
+    values.specular = share(m.specular);
+    values.specularColor = evaluate(m.specularColor, scene, point.uv);
+    values.transmission = share(m.transmission);
+    values.thinWalled = m.thinWalled;
+    values.clearcoat = share(m.clearcoat);
+    values.sheenColor = share(m.sheenColor);
+    if (values.sheenColor != Vec3(0)) values.sheenAlpha = sheen::alphaOf(share(m.sheenRoughness));
+    values.film.share = share(m.iridescence);
+    if (values.film.share > 0) {
+        values.film.ior = m.iridescenceIor;
+        values.film.thickness = glm::mix(m.iridescenceMin, m.iridescenceMax, share(m.thickness));
+    }
+    return values;
+}
+
+/// M where the material has this roughness at rest.
+MicroTransform microAt(const Material &material, const RestRoughness &rest, const SurfacePoint &point, float sense) {
+    // Stored gloss comes as sqrt(M M^T) in the place of V.
+    if (!point.object->storedPoisson.empty()) return microTransform(point.stretch.x, point.stretch.y, point.stretch.y, point.stretch.z);
+    const bool leans = point.object->object->lean;
+    return transformAt(material, rest, point.stretch, point.tangent, sense, leans ? &point.lean : nullptr);
 }
 
 Bsdf bsdfAt(const PreparedMaterial &prepared, const Scene &scene, const SurfacePoint &point, float sense) {
     const Material &material = *prepared.material;
-    const BsdfInfo &info = bsdfInfo(material.type);
-    const float metallic = info.reads(kMetallicKey) ? evaluate(material.metallic, scene, point.uv) : 0.0F;
-    Bsdf bsdf = bsdfOf(prepared, point.baseColor, metallic, point.facing);
-    if (!info.microsurface) return bsdf;
-    const bool leans = point.object->object->lean;
-    // Stored gloss comes as sqrt(M M^T) in the place of V.
-    bsdf.micro = point.object->storedPoisson.empty()
-                     ? transformAt(material, scene, point.uv, point.stretch, point.tangent, sense, leans ? &point.lean : nullptr)
-                     : microTransform(point.stretch.x, point.stretch.y, point.stretch.y, point.stretch.z);
-    bsdf.multiscatter = multiscatterAt(prepared, bsdf.micro);
+    Bsdf bsdf = bsdfOf(prepared, valuesAt(prepared, scene, point), point.facing);
+    if (!bsdfInfo(material.type).microsurface) return bsdf;
+    bsdf.micro = microAt(material, restRoughness(material, scene, point.uv), point, sense);
+    if (bsdf.coat > 0) {
+        const float alpha = glm::clamp(sqr(evaluate(material.clearcoatRoughness, scene, point.uv)), kLeastAlpha, 1.0F);
+        bsdf.coatMicro = microAt(material, {alpha, alpha, 0}, point, sense);
+    }
+    // As multiscatterOf() has it for a whole material, where a texture says so.
+    const bool isPaint = bsdfInfo(material.type).reads(kMetallicKey) && bsdf.metallic == 0 && material.multiscatter == Multiscatter::Auto;
+    bsdf.multiscatter = isPaint ? Multiscatter::Off : multiscatterAt(prepared, bsdf.micro);
     return bsdf;
+}
+
+/// KHR_materials_volume: of white light the attenuation colour is left after the attenuation distance (Beer's law).
+Vec3 extinctionOf(const Material &material) {
+    if (material.thinWalled || !(material.attenuationDistance < kInfinity)) return Vec3(0);
+    constexpr float kDarkest = 1e-6F; // a black medium lets through what no picture shows
+    return -glm::log(glm::clamp(material.attenuationColor, Vec3(kDarkest), Vec3(1))) / material.attenuationDistance;
 }
 
 /// V, the rotated tangent and the lean at the point, in its frame.
@@ -53,21 +90,36 @@ std::vector<PreparedMaterial> prepareMaterials(const Scene &scene, const ScenePl
     std::vector<PreparedMaterial> prepared;
     for (Index i = 0; i < std::max<std::size_t>(scene.materials.size(), 1); ++i) {
         const Material &material = scene.materialAt(i);
-        prepared.push_back(
-            {&material, coatEscape(material.ior), i < plan.materials.size() ? plan.materials[i] : MultiscatterPlan{}, plan.bearableWaste});
+        prepared.push_back({&material, coatEscape(material.ior), i < plan.materials.size() ? plan.materials[i] : MultiscatterPlan{},
+                            plan.bearableWaste, extinctionOf(material)});
     }
     return prepared;
 }
 
-Bsdf bsdfOf(const PreparedMaterial &prepared, const Vec3 &color, float metallic, float facing) {
+MaterialValues valuesOf(const PreparedMaterial &prepared, const Vec3 &color) {
+    const Material &material = *prepared.material;
+    MaterialValues values;
+    values.color = color;
+    values.ior = material.ior;
+    values.metallic = material.metallic.value;
+    values.coatEscape = prepared.coatEscape;
+    values.conductorEta = material.conductorEta;
+    values.conductorK = material.conductorK;
+    return values;
+}
+
+Bsdf bsdfOf(const PreparedMaterial &prepared, const MaterialValues &values, float facing) {
     const Material &material = *prepared.material;
     Bsdf bsdf;
     bsdf.type = material.type;
     bsdf.correlated = material.masking == Masking::Correlated;
     bsdf.bearableWaste = prepared.bearableWaste;
-    bsdf.eta = facing < 0 && bsdfInfo(material.type).refracts ? 1 / material.ior : material.ior;
-    const MaterialValues values{color, material.ior, metallic, prepared.coatEscape, material.conductorEta, material.conductorK};
     onBsdf(material.type, [&](auto kind) { decltype(kind)::Class::make(values, bsdf); });
+    const bool refracts = bsdfInfo(material.type).refracts || bsdf.refracts;
+    bsdf.eta = facing < 0 && refracts ? 1 / material.ior : material.ior;
+    // What bends nothing has no half vector; this little is not seen.
+    constexpr float kLeastBend = 1e-3F;
+    if (bsdf.refracts && std::fabs(bsdf.eta - 1) < kLeastBend) bsdf.eta = facing < 0 ? 1 - kLeastBend : 1 + kLeastBend;
     return bsdf;
 }
 
@@ -94,11 +146,13 @@ SurfacePoint surfacePointAt(const RenderScene &scene, const std::vector<Prepared
     if (!surface.uvs.empty()) point.uv = surface.uvs[t.x] * b.x + surface.uvs[t.y] * b.y + surface.uvs[t.z] * b.z;
 
     const PreparedMaterial &material = materials[materialOfTriangle(object, hit.primitive)];
-    point.baseColor = evaluate(material.material->color, scene.scene(), point.uv);
+    point.baseColor = evaluateShare(material.material->color, scene.scene(), point.uv);
     point.bsdf = bsdfAt(material, scene.scene(), point, geometry.sense);
+    if (point.bsdf.refracts && point.facing > 0) point.extinction = material.extinction;
     const Object &source = *object.object;
     if (source.emission.value != Vec3(0) && (point.facing > 0 || source.emissionTwoSided))
         point.emission = evaluate(source.emission, scene.scene(), point.uv);
+    point.scatters = !material.material->unlit;
     return point;
 }
 

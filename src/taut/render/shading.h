@@ -17,8 +17,10 @@ struct SurfacePoint {
                           ///< the surface is parametrised; n on the geometric normal's side
     Bsdf bsdf;
     Vec2 uv{0};
-    float facing = 1; ///< SurfaceGeometry
-    Vec3 emission{0}; ///< radiance leaving towards the viewer
+    float facing = 1;     ///< SurfaceGeometry
+    Vec3 emission{0};     ///< radiance leaving towards the viewer
+    bool scatters = true; ///< false: unlit, the base colour is what is seen
+    Vec3 extinction{0};   ///< of the medium beyond the surface, where light is refracted into it; a unit of length
     // For AOVs.
     Vec3 stretch{1, 0, 1}; ///< V in the frame: ss, st, tt
     Vec2 lean{0};          ///< column 3 of M in the frame; zero unless the mesh leans
@@ -35,13 +37,17 @@ struct PreparedMaterial {
     float coatEscape = 1; ///< coatEscape(ior)
     MultiscatterPlan multiscatter;
     float bearableWaste = kBearableWaste; ///< the plan's
+    Vec3 extinction{0};                   ///< of its volume
 };
 /// At least one, for objects without a material.
 std::vector<PreparedMaterial> prepareMaterials(const Scene &scene, const ScenePlan &plan);
 
-/// What a material scatters by where it has these values, seen from that side; M and the treatment of light of several facets are the
-/// caller's.
-Bsdf bsdfOf(const PreparedMaterial &prepared, const Vec3 &color, float metallic, float facing);
+/// The values of a material that looks the same everywhere, but for its colour.
+MaterialValues valuesOf(const PreparedMaterial &prepared, const Vec3 &color);
+
+/// What a material scatters by where it has these values, seen from that side; microsurfaces and the treatment of light of several
+/// facets are the caller's.
+Bsdf bsdfOf(const PreparedMaterial &prepared, const MaterialValues &values, float facing);
 
 /// Fills the point for a hit at a time in the shutter. `wo` is the unit direction back along the ray.
 SurfacePoint surfacePointAt(const RenderScene &scene, const std::vector<PreparedMaterial> &materials, const Hit &hit, const Vec3 &wo,

@@ -24,6 +24,7 @@ struct RenderObject : ObjectSurface {
     bool rigid = false;
     bool moved = true; ///< by the last frame that it was brought to
     Index geometry = kNone;
+    bool mayBeAbsent = false; ///< where one of its materials is (mayBeAbsent); traversal asks about each of its hits then
     BvhPolicy bvh;
 
     // Rigid objects that move: their one step is filled once, in rest space about the centre of their box (local space), and only

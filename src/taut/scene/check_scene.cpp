@@ -83,6 +83,30 @@ class SceneCheck {
                     material.anisotropyTexture == kNone ? kUnitInterval : kAnyNumber);
         checkNumber(at, "poisson", material.poisson, kPoisson);
         at.failOn("multiscatter", mistakeInMultiscatter(material));
+        checkPresence(at, material);
+        checkLayers(at, material);
+    }
+
+    void checkPresence(const Part &at, const Material &material) const {
+        checkParam(at, "opacity", material.opacity, kUnitInterval);
+        checkNumber(at, "alphaCutoff", material.alphaCutoff, kNotNegative);
+    }
+
+    void checkLayers(const Part &at, const Material &material) const {
+        checkParam(at, "specular", material.specular, kUnitInterval);
+        checkParam(at, "specularColor", material.specularColor, kNotNegative);
+        checkParam(at, "transmission", material.transmission, kUnitInterval);
+        checkVector(at, "attenuationColor", DVec3(material.attenuationColor), kUnitInterval);
+        if (material.attenuationDistance < kInfinity) checkNumber(at, "attenuationDistance", material.attenuationDistance, kPositive);
+        checkParam(at, "clearcoat", material.clearcoat, kUnitInterval);
+        checkParam(at, "clearcoatRoughness", material.clearcoatRoughness, kUnitInterval);
+        checkParam(at, "sheenColor", material.sheenColor, kUnitInterval);
+        checkParam(at, "sheenRoughness", material.sheenRoughness, kUnitInterval);
+        checkParam(at, "iridescence", material.iridescence, kUnitInterval);
+        checkNumber(at, "iridescenceIor", material.iridescenceIor, kFilmIor);
+        checkNumber(at, "iridescenceMin", material.iridescenceMin, kNotNegative);
+        checkNumber(at, "iridescenceMax", material.iridescenceMax, kNotNegative);
+        checkParam(at, "thickness", material.thickness, kUnitInterval);
     }
 
     void checkPlacement(const Part &at, const Placement &placement) const {

@@ -37,6 +37,37 @@ TextureUse loadTexture(LoadContext &context, const TomlValue &value, ColorSpace 
     return use;
 }
 
+/// Texels of a colour that its texture says is above 1 in some channel, of how many.
+std::pair<std::size_t, std::size_t> countAboveOne(const Texture &texture, const Vec3 &scale) {
+    constexpr float kRounding = 1e-5F;
+    const auto channels = static_cast<std::size_t>(texture.channels);
+    const std::size_t texels = texture.texels.size() / channels;
+    std::size_t above = 0;
+    for (std::size_t i = 0; i < texels; ++i) {
+        const float *texel = &texture.texels[i * channels];
+        const Vec3 color = scale * (channels < 3 ? Vec3(texel[0]) : Vec3(texel[0], texel[1], texel[2]));
+        above += maxComponent(color) > 1 + kRounding ? 1 : 0;
+    }
+    return {above, texels};
+}
+
+/// A colour by which light is reflected or passes. More than all of it there cannot be: numbers and texels above 1 are held there, and
+/// said to be.
+ColorParam toReflectance(LoadContext &context, const TomlValue &value) {
+    ColorParam param = toColorParam(context, value, kNotNegative);
+    const std::string where = value.where.text() + ": ";
+    if (param.texture == kNone) {
+        if (maxComponent(param.value) > 1) context.warnings.add(where + "found a colour above 1, which is held at 1");
+        param.value = glm::min(param.value, Vec3(1));
+        return param;
+    }
+    const auto [above, texels] = countAboveOne(context.scene.textures[param.texture], param.value);
+    if (above > 0)
+        context.warnings.add(where + "found a colour above 1 in " + std::to_string(above) + " of " + std::to_string(texels) +
+                             " texels, which is held at 1");
+    return param;
+}
+
 void loadAlpha(LoadContext &context, const TomlValue &value, Material &material) {
     if (value.kind == TomlValue::Kind::Array) {
         const auto &pair = toArray(value, 2, describe(kAlpha) + ", a pair of them, or a texture");
@@ -93,6 +124,39 @@ void readMetallicRoughness(LoadContext &context, TableReader &table, Material &m
     material.anisotropyTexture = strength.texture;
 }
 
+/// The layers that glTF's extensions of metallic-roughness add, each by the extension's name (docs/scene.md).
+void readLayers(LoadContext &context, TableReader &table, Material &material) {
+    const auto share = [&](const TomlValue &v) { return toFloatParam(context, v, kUnitInterval); };
+    const auto color = [&](const TomlValue &v) { return toReflectance(context, v); };
+    table.read("specular", material.specular, share);
+    table.read("specular_color", material.specularColor, [&](const TomlValue &v) { return toColorParam(context, v, kNotNegative); });
+    table.read("transmission", material.transmission, share);
+    table.read("thin_walled", material.thinWalled);
+    table.read("attenuation_color", material.attenuationColor, tripleIn(kUnitInterval));
+    table.read("attenuation_distance", material.attenuationDistance, numberIn(kPositive));
+    table.read("clearcoat", material.clearcoat, share);
+    table.read("clearcoat_roughness", material.clearcoatRoughness, share);
+    table.read("sheen_color", material.sheenColor, color);
+    table.read("sheen_roughness", material.sheenRoughness, share);
+    table.read("iridescence", material.iridescence, share);
+    table.read("iridescence_ior", material.iridescenceIor, numberIn(kFilmIor));
+    if (const TomlValue *thickness = table.find("iridescence_thickness"))
+        material.iridescenceMin = material.iridescenceMax = static_cast<float>(toNumber(*thickness, kNotNegative));
+}
+
+/// What is there of the surface, and from which sides. An opacity without a mode is meant to be seen.
+void readPresence(LoadContext &context, TableReader &table, Material &material) {
+    if (const TomlValue *opacity = table.find("opacity")) {
+        material.opacity = toFloatParam(context, *opacity, kUnitInterval);
+        material.alphaMode = AlphaMode::Blend;
+    }
+    table.read("alpha_mode", material.alphaMode,
+               oneOf<AlphaMode>({{"opaque", AlphaMode::Opaque}, {"mask", AlphaMode::Mask}, {"blend", AlphaMode::Blend}}));
+    table.read("alpha_cutoff", material.alphaCutoff, numberIn(kNotNegative));
+    table.read("double_sided", material.doubleSided);
+    table.read("unlit", material.unlit);
+}
+
 /// Of kinds of one name the first.
 BsdfType toBsdfType(const TomlValue &value) {
     Names<BsdfType> names;
@@ -103,13 +167,42 @@ BsdfType toBsdfType(const TomlValue &value) {
 
 Material loadMaterial(LoadContext &context, const std::string &name, const TomlValue &value) {
     TableReader table(value, "[material." + name + "]",
-                      {"type", "metal", "f0", "color", "alpha", "rotation_deg", "ior", "metallic", "roughness", "anisotropy", "poisson",
-                       "masking", "multiscatter"});
+                      {"type",
+                       "metal",
+                       "f0",
+                       "color",
+                       "alpha",
+                       "rotation_deg",
+                       "ior",
+                       "metallic",
+                       "roughness",
+                       "anisotropy",
+                       "poisson",
+                       "masking",
+                       "multiscatter",
+                       "opacity",
+                       "alpha_mode",
+                       "alpha_cutoff",
+                       "double_sided",
+                       "unlit",
+                       "specular",
+                       "specular_color",
+                       "transmission",
+                       "thin_walled",
+                       "attenuation_color",
+                       "attenuation_distance",
+                       "clearcoat",
+                       "clearcoat_roughness",
+                       "sheen_color",
+                       "sheen_roughness",
+                       "iridescence",
+                       "iridescence_ior",
+                       "iridescence_thickness"});
     Material material;
     material.name = name;
     table.read("type", material.type, toBsdfType);
     const BsdfInfo &kind = bsdfInfo(material.type);
-    const auto color = [&](const TomlValue &v) { return toColorParam(context, v, kUnitInterval); };
+    const auto color = [&](const TomlValue &v) { return toReflectance(context, v); };
     if (kind.reads(kF0Key)) {
         table.exclusive("metal", "f0");
         if (const TomlValue *metal = table.find("metal")) loadMetal(*metal, material);
@@ -119,7 +212,11 @@ Material loadMaterial(LoadContext &context, const std::string &name, const TomlV
     }
     if (kind.reads(kIorKey)) table.read("ior", material.ior, numberIn(kIor));
     if (kind.microsurface) readMicrosurface(context, table, material);
-    if (kind.reads(kMetallicKey)) readMetallicRoughness(context, table, material);
+    if (kind.reads(kMetallicKey)) {
+        readMetallicRoughness(context, table, material);
+        readLayers(context, table, material);
+    }
+    readPresence(context, table, material);
     table.finish();
     return material;
 }

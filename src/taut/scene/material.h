@@ -23,6 +23,10 @@ struct ColorParam {
 
 enum class Masking { Correlated, Separable };
 
+/// What becomes of opacity (glTF's alphaMode). Mask: below Material::alphaCutoff there is no surface, above it there is all of it. Blend:
+/// that share of the light meets the surface, the rest goes on as if there were none.
+enum class AlphaMode { Opaque, Mask, Blend };
+
 /// alpha is GGX alpha (slope scale), never its square root. alphaX is along the tangent (dP/du), alphaY across.
 struct Material {
     std::string name;
@@ -41,13 +45,45 @@ struct Material {
     float poisson = 0; ///< [-1, 0.5]: lambda = det(A)^(-nu/(1-nu)); -1: the normal stretches as the surface does
     Masking masking = Masking::Correlated;
     Multiscatter multiscatter = Multiscatter::Auto;
+
+    FloatParam opacity{1}; ///< share of the surface that is there (glTF: alpha of the base colour, channel 3 of its texture)
+    AlphaMode alphaMode = AlphaMode::Opaque;
+    float alphaCutoff = 0.5F;  ///< with AlphaMode::Mask
+    bool doubleSided = true;   ///< false: back faces are not there, for any ray
+    bool vertexColors = false; ///< colour and opacity are multiplied by the mesh's own colours
+    bool unlit = false;        ///< the colour is what is seen, under any light (KHR_materials_unlit)
+
+    // Metallic-roughness only, each named by the extension of glTF 2.0 that defines it.
+    FloatParam specular{1};                ///< KHR_materials_specular: scales F0 and F90 of the dielectric part
+    ColorParam specularColor;              ///< F0 times this, held at 1
+    FloatParam transmission{0};            ///< KHR_materials_transmission: share of the diffuse part that goes through instead
+    bool thinWalled = true;                ///< false: what goes through is refracted into a volume (KHR_materials_volume)
+    Vec3 attenuationColor{1};              ///< what is left of white light after attenuationDistance inside that volume
+    float attenuationDistance = kInfinity; ///< in scene units
+    FloatParam clearcoat{0};               ///< KHR_materials_clearcoat: share of a coat of index 1.5 on top
+    FloatParam clearcoatRoughness{0};      ///< its glTF roughness
+    ColorParam sheenColor{Vec3(0)};        ///< KHR_materials_sheen: of the fibres on top; black: none
+    FloatParam sheenRoughness{0};          ///< their glTF roughness
+    FloatParam iridescence{0};             ///< KHR_materials_iridescence: share of the reflection that a thin film colours
+    float iridescenceIor = 1.3F;           ///< of the film
+    float iridescenceMin = 100;            ///< nanometres, the film's thickness where `thickness` is 0
+    float iridescenceMax = 400;            ///< and where it is 1
+    FloatParam thickness{1};               ///< of the film, from min to max; a file without its texture means the maximum
 };
+
+/// Whether rays may pass the surface as if there were none.
+inline bool mayBeAbsent(const Material &material) {
+    return material.alphaMode != AlphaMode::Opaque || !material.doubleSided;
+}
 
 /// What is done about light of a material that meets several facets, where a plan says `planned` for those that leave it open; Auto: by
 /// the M of each hit. The model rests on correlated heights.
 inline Multiscatter multiscatterOf(const Material &material, Multiscatter planned) {
-    if (!bsdfInfo(material.type).manyFacets) return Multiscatter::Off;
+    const BsdfInfo &info = bsdfInfo(material.type);
+    if (!info.manyFacets) return Multiscatter::Off;
     if (material.multiscatter != Multiscatter::Auto) return material.multiscatter;
+    // What a dielectric's reflections lose to each other is a share of 4 %.
+    if (info.reads(kMetallicKey) && material.metallic.value == 0) return Multiscatter::Off;
     return material.masking == Masking::Correlated ? planned : Multiscatter::Off;
 }
 

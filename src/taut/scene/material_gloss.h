@@ -14,6 +14,20 @@ inline Vec3 evaluate(const ColorParam &param, const Scene &scene, const Vec2 &uv
     return param.texture == kNone ? param.value : param.value * Vec3(lookup(scene.textures[param.texture], uv));
 }
 
+/// Of what reflects or passes a share of the light: what a texture says beyond that is held at none and all.
+template <class Param, class Uv> auto evaluateShare(const Param &param, const Scene &scene, const Uv &uv) {
+    const auto value = evaluate(param, scene, uv);
+    return glm::clamp(value, decltype(value)(0), decltype(value)(1));
+}
+
+/// Share of the surface that is there.
+template <class Uv> float opacityOf(const Material &material, const Scene &scene, const Uv &uv) {
+    if (material.alphaMode == AlphaMode::Opaque) return 1;
+    const float opacity = evaluateShare(material.opacity, scene, uv);
+    if (material.alphaMode == AlphaMode::Blend) return opacity;
+    return opacity >= material.alphaCutoff ? 1.0F : 0.0F;
+}
+
 /// Rest roughness and rotation of a material at uv.
 struct RestRoughness {
     float alphaX, alphaY, rotation;
@@ -50,9 +64,8 @@ inline Vec2 restAxis(const Vec2 &tangent, float cosine, float sine, float sense)
 /// `tangent` and b0 to its `sense` side, and because a mirror image of the standard microsurface is itself, M = V Rotation(tangent)
 /// Rotation(sense * rotation) diag(1/alphaX, 1/alphaY). A mesh whose deformers move space (`lean` not null) brings its own lambda
 /// along, already in `stretch` and `lean`; Poisson's ratio then has no say.
-inline MicroTransform transformAt(const Material &material, const Scene &scene, const Vec2 &uv, const Vec3 &stretch, const Vec2 &tangent,
+inline MicroTransform transformAt(const Material &material, const RestRoughness &rest, const Vec3 &stretch, const Vec2 &tangent,
                                   float sense, const Vec2 *lean = nullptr) {
-    const RestRoughness rest = restRoughness(material, scene, uv);
     const float area = std::fabs(stretch.x * stretch.z - stretch.y * stretch.y);
     const float lambda = material.poisson == 0 || lean != nullptr ? 1.0F : normalStretch(std::fmax(area, 1e-12F), material.poisson);
     Vec2 axis = tangent;
@@ -63,6 +76,11 @@ inline MicroTransform transformAt(const Material &material, const Scene &scene, 
     }
     return deformedTransform(Block{stretch.x, stretch.y, stretch.y, stretch.z}, restBlock(rest.alphaX, rest.alphaY, axis), lambda,
                              lean != nullptr ? *lean : Vec2(0));
+}
+/// With the material's roughness at uv.
+inline MicroTransform transformAt(const Material &material, const Scene &scene, const Vec2 &uv, const Vec3 &stretch, const Vec2 &tangent,
+                                  float sense, const Vec2 *lean = nullptr) {
+    return transformAt(material, restRoughness(material, scene, uv), stretch, tangent, sense, lean);
 }
 
 } // namespace taut

@@ -38,6 +38,7 @@ inline constexpr Range kAlpha{1e-4, 10};
 inline constexpr auto kLeastAlpha = static_cast<float>(kAlpha.lower);
 inline constexpr auto kMostAlpha = static_cast<float>(kAlpha.upper);
 inline constexpr Range kIor{0.2, 10};
+inline constexpr Range kFilmIor{1, 10};
 inline constexpr Range kPoisson{-1, 0.5};
 
 // --- how it is seen --------------------------------------------------------------------------------------------------
