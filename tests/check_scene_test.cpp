@@ -113,7 +113,7 @@ const std::vector<Wrong> kWrongViews{
     {[](Scene &s) { s.camera.apertureRadius = -1.0; }, "camera.apertureRadius: found -1"},
     {[](Scene &s) { s.camera.focusDistance = double(kNan); }, "camera.focusDistance: found nan"},
     {[](Scene &s) { s.camera.position = s.camera.lookAt; }, "camera: found position equal to look_at at frame 1, expected two points"},
-    {[](Scene &s) { s.camera.up = s.camera.position.first(); }, "camera: found up along the view at frame 1"},
+    {[](Scene &s) { s.camera.up = DVec3(0); }, "camera: found up of no length at frame 1, expected a direction"},
     {[](Scene &s) { s.camera.up.keys.clear(); }, "camera.position, lookAt or up: found no key"},
     {[](Scene &s) {
          s.camera.lookAt.keys = {{2, DVec3(0)}, {2, DVec3(1)}};
@@ -178,8 +178,7 @@ const std::vector<Wrong> kWrongObjects{
     {[](Scene &s) { s.objects[0].rig->clip = 1; }, "rig.clip: found 1, expected one of the 1 clips"},
     {[](Scene &s) { s.objects[1].points = pointFunction(3, [](double, std::span<Vec3>) {}); },
      "points: found 3 points, expected as many as the mesh has positions"},
-    {[](Scene &s) { s.objects[1].placement.scale = DVec3(1, 0, 1); },
-     "placement.scale: found a scale of 0, expected scales that are not 0"},
+    {[](Scene &s) { s.objects[1].placement.scale = DVec3(1, kNan, 1); }, "placement.scale: found nan"},
     {[](Scene &s) { s.objects[1].placement.translation = DVec3(kInfinity); }, "placement.translation: found inf"},
     {[](Scene &s) { s.objects[1].placement.rotation.keys.clear(); }, "placement.rotation: found no key"},
     {[](Scene &s) { s.objects[1].placement.worldFromUp[1][2] = kNan; }, "placement.worldFromUp: found nan"},

@@ -36,8 +36,9 @@ struct Report {
 };
 
 /// What a policy for what has no right answer did, by its name (surface.h).
-std::array<std::pair<std::string_view, Index>, 4> policiesOf(const Surface &surface) {
-    return {{{"RestAtLoneVertex", surface.loneVertices},
+std::array<std::pair<std::string_view, Index>, 5> policiesOf(const Surface &surface) {
+    return {{{"NormalsFollowWinding", surface.turnedVertices},
+             {"RestAtLoneVertex", surface.loneVertices},
              {"SkipDegenerateFace", surface.degenerateFaces},
              {"SmoothFieldNoUv", surface.fallbackTangents},
              {"TangentFromUv_mirrored", surface.mirroredVertices}}};

@@ -13,12 +13,17 @@
 
 namespace taut {
 
+/// Stands for the density of a single direction: its square is a float, and outweighs those of light samples.
+inline constexpr float kDeltaPdf = 1e18F;
+
 /// A Bsdf seen from one direction: what evaluation and sampling share, computed once a hit.
 class ScatteringPoint {
   public:
     ScatteringPoint(const Bsdf &bsdf, const Vec3 &wo) : view_{bsdf, wo, {}, std::nullopt} {
         const BsdfInfo &info = bsdfInfo(bsdf.type);
         if (!info.microsurface) return;
+        passes_ = info.refracts && fresnel::isMatched(bsdf.eta);
+        if (passes_) return;
         const float length = ggx::stretchedLength(bsdf.micro, wo);
         const float area = ggx::visibleArea(bsdf.micro, wo, length);
         if (!info.refracts) view_.reflections.emplace(bsdf.micro, wo, bsdf.bearableWaste);
@@ -33,6 +38,7 @@ class ScatteringPoint {
 
     /// fCos and pdf of a given wi. `seed` names the walk, where there is one: another one for every call of a path.
     [[nodiscard]] BsdfEval evaluate(const Vec3 &wi, std::uint32_t seed = 0) const {
+        if (passes_) return {}; // straight on alone, which no other sampler meets
         if (multiple_.treatment == Multiscatter::Walk) {
             const multiple::WalkEval e = evaluateParts(wi, seed);
             const BsdfEval lobes = evaluateBeside(wi);
@@ -71,6 +77,7 @@ class ScatteringPoint {
     /// A wi with density evaluate(wi).pdf, or nothing where the sampled normal reflects below the horizon. `lobe` chooses
     /// between lobes, `u` the direction; both uniform in [0, 1). `seed` as above.
     [[nodiscard]] std::optional<BsdfSample> sample(const Vec2 &u, float lobe, std::uint32_t seed = 0) const {
+        if (passes_) return BsdfSample{-view_.wo, view_.bsdf.tint, kDeltaPdf, 1, true};
         if (multiple_.treatment == Multiscatter::Walk) return sampleWalk(u, lobe, seed);
         if (multiple_.treatment == Multiscatter::Compensation && lobe < multiple_.probability) return finish(squareToCosineHemisphere(u));
         // What is left of the number that chose the lobe is uniform again.
@@ -124,6 +131,7 @@ class ScatteringPoint {
 
     BsdfView view_;
     MultipleScattering multiple_;
+    bool passes_ = false; ///< glass of the index of what is around it: straight on
 };
 
 } // namespace taut

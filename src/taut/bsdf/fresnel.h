@@ -17,6 +17,13 @@ namespace taut::fresnel {
     return g2 > 0 ? reflected : 1.0F;
 }
 
+/// An interface whose index is this close to 1 bends light by less than a tenth of a pixel, reflects under 3e-9 of it, and its half
+/// vectors are rounding alone: light passes as if nothing were there.
+inline constexpr float kMatchedIndex = 1e-4F;
+inline bool isMatched(float eta) {
+    return std::fabs(eta - 1) < kMatchedIndex;
+}
+
 /// (1 - cosine)^5: how far Schlick's reflectance has gone from normal incidence to grazing.
 inline float schlickShare(float cosine) {
     const float m = 1 - glm::clamp(cosine, 0.0F, 1.0F);

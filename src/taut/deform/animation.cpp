@@ -140,6 +140,8 @@ void applyChannel(const Channel &channel, double seconds, LocalPose &pose) {
     }
 }
 
+} // namespace
+
 bool hasEqualKeys(const Channel &channel) {
     const bool cubic = channel.interpolation == Interpolation::CubicSpline;
     for (std::size_t key = 0; key < channel.times.size(); ++key)
@@ -149,8 +151,6 @@ bool hasEqualKeys(const Channel &channel) {
         }
     return true;
 }
-
-} // namespace
 
 std::vector<float> evaluateChannel(const Channel &channel, double seconds) {
     std::vector<float> values(channel.width, 0.0F);

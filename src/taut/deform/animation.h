@@ -20,6 +20,9 @@ Pose evaluatePose(const Rig &rig, const Clip *clip, double seconds);
 /// keys are all equal counts as the node's own scale, so that a constant scale is a placement, not a deformation.
 Pose restPose(const Rig &rig, const Clip *clip);
 
+/// Whether a channel holds one value: its keys are equal and nothing swings out between them.
+bool hasEqualKeys(const Channel &channel);
+
 /// One channel at a time, normalised for rotations. Returns `channel.width` floats.
 std::vector<float> evaluateChannel(const Channel &channel, double seconds);
 

@@ -15,10 +15,6 @@ std::size_t capacity(const Rig &rig) {
     return std::clamp<std::size_t>(kMostNodes / std::max<std::size_t>(1, rig.nodes.size()), 4, kMostPoses);
 }
 
-std::uint8_t bitOf(ChannelPath path) {
-    return static_cast<std::uint8_t>(1U << static_cast<unsigned>(path));
-}
-
 } // namespace
 
 void RigPoses::start(const std::shared_ptr<const Rig> &rig) {
@@ -26,7 +22,7 @@ void RigPoses::start(const std::shared_ptr<const Rig> &rig) {
     rig_ = rig;
     entries_.clear();
     next_ = 0;
-    movedKnown_ = false;
+    sortedClip_ = nullptr;
 }
 
 template <class Evaluate> std::shared_ptr<const Pose> RigPoses::find(const Entry &wanted, const Evaluate &evaluate) {
@@ -53,20 +49,31 @@ std::shared_ptr<const Pose> RigPoses::rest(const std::shared_ptr<const Rig> &rig
     return find({clip, true, 0, nullptr}, [&] { return restPose(*rig, clip); });
 }
 
+void RigPoses::sortChannels(const Clip &clip) {
+    if (sortedClip_ == &clip) return;
+    channels_.assign(rig_->nodes.size(), {});
+    for (const Channel &channel : clip.channels)
+        if (channel.node < channels_.size()) channels_[channel.node].push_back(&channel);
+    sortedClip_ = &clip;
+}
+
 bool RigPoses::isMoved(const std::shared_ptr<const Rig> &rig, const Clip *clip, Index node, ChannelPath path) {
     if (clip == nullptr) return false;
     const std::lock_guard lock(mutex_);
     start(rig);
-    if (!movedKnown_ || movedClip_ != clip) {
-        moved_.assign(rig->nodes.size(), 0);
-        for (const Channel &channel : clip->channels)
-            if (channel.node < moved_.size() && !channel.times.empty()) moved_[channel.node] |= bitOf(channel.path);
-        for (std::size_t n = 0; n < moved_.size(); ++n) // parents come first
-            if (rig->nodes[n].parent != kNone) moved_[n] |= moved_[rig->nodes[n].parent];
-        movedKnown_ = true;
-        movedClip_ = clip;
-    }
-    return (moved_[node] & bitOf(path)) != 0;
+    sortChannels(*clip);
+    const auto moves = [&](const Channel *channel) { return channel->path == path && !channel->times.empty(); };
+    for (; node != kNone; node = rig->nodes[node].parent)
+        if (std::any_of(channels_[node].begin(), channels_[node].end(), moves)) return true;
+    return false;
+}
+
+std::vector<const Channel *> RigPoses::channelsOf(const std::shared_ptr<const Rig> &rig, const Clip *clip, Index node) {
+    if (clip == nullptr) return {};
+    const std::lock_guard lock(mutex_);
+    start(rig);
+    sortChannels(*clip);
+    return channels_[node];
 }
 
 std::size_t RigPoses::evaluations() const {

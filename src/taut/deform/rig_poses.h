@@ -4,7 +4,6 @@
 
 #include "taut/deform/animation.h"
 
-#include <cstdint>
 #include <memory>
 #include <mutex>
 
@@ -20,6 +19,8 @@ class RigPoses {
     std::shared_ptr<const Pose> rest(const std::shared_ptr<const Rig> &rig, const Clip *clip);
     /// Whether `clip` has a channel of this path with keys at a node or at one above it.
     bool isMoved(const std::shared_ptr<const Rig> &rig, const Clip *clip, Index node, ChannelPath path);
+    /// The channels of `clip` that move a node, in the clip's order.
+    std::vector<const Channel *> channelsOf(const std::shared_ptr<const Rig> &rig, const Clip *clip, Index node);
     /// How many poses were evaluated so far, rest poses with them.
     [[nodiscard]] std::size_t evaluations() const;
 
@@ -30,6 +31,7 @@ class RigPoses {
         double seconds;
         std::shared_ptr<const Pose> pose;
     };
+    void sortChannels(const Clip &clip);
     void start(const std::shared_ptr<const Rig> &rig);
     template <class Evaluate> std::shared_ptr<const Pose> find(const Entry &wanted, const Evaluate &evaluate);
 
@@ -38,9 +40,8 @@ class RigPoses {
     std::vector<Entry> entries_; ///< the oldest is overwritten
     std::size_t next_ = 0;
     std::size_t evaluations_ = 0;
-    bool movedKnown_ = false;
-    const Clip *movedClip_ = nullptr;
-    std::vector<std::uint8_t> moved_; ///< [nodes] a bit a path
+    const Clip *sortedClip_ = nullptr;
+    std::vector<std::vector<const Channel *>> channels_; ///< [nodes] of sortedClip_
 };
 
 } // namespace taut

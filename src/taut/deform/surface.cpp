@@ -1,11 +1,14 @@
 #include "taut/deform/surface.h"
 
+#include "taut/deform/affine.h"
 #include "taut/deform/skin_hinges.h"
 #include "taut/deform/surface_fit.h"
 #include "taut/mesh/triangulate.h"
 #include "taut/mesh/weld.h"
+#include "taut/mesh/winding.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <map>
 
@@ -15,6 +18,8 @@ namespace {
 
 /// Normals closer than this (about 0.6 degrees) belong to one surface vertex.
 constexpr float kSameNormalCosine = 0.99995F;
+/// Powers of two up to which a rest placement may scale and the surface is built as it stands: a million.
+constexpr int kPlainScale = 20;
 /// Tangents on either side of a UV seam within this angle (20 degrees) are one direction that the seam only interrupts.
 constexpr float kSameTangentCosine = 0.94F;
 /// A face lower than this share of its longest edge is a sliver whose normal counts less.
@@ -26,6 +31,7 @@ class Builder {
     Builder(const Mesh &mesh, const SurfaceOptions &options) : mesh_(mesh), options_(options) {
         surface_.restFromObject = options.restFromObject;
         canonical_ = weldPositions(mesh, options.weld);
+        if (!isLimit(options)) turned_ = cornersAgainstWinding(mesh); // those of a limit surface are made from the winding
         rest_.resize(mesh.positions.size());
         for (std::size_t i = 0; i < rest_.size(); ++i) rest_[i] = options.restFromObject * mesh.positions[i];
     }
@@ -74,6 +80,9 @@ class Builder {
         return std::min(1.0F, twiceArea / (kFlatSliver * longest + kTiny));
     }
 
+    /// NormalsFollowWinding.
+    [[nodiscard]] bool isTurned(Index cornerNumber) const { return !turned_.empty() && turned_[cornerNumber] != 0; }
+
     /// Rest normal of each corner, unit, rest space.
     [[nodiscard]] std::vector<Vec3> cornerNormals() {
         std::vector<Vec3> result(mesh_.cornerCount(), Vec3(0));
@@ -95,12 +104,12 @@ class Builder {
             const float angle = std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
             smooth[canonical_[mesh_.cornerPositions[c.self]]] += faceNormals[face] * (angle * say[face]);
         });
-        const Mat3 normalMatrix = glm::transpose(glm::inverse(options_.restFromObject)); // normals are covectors
+        const Mat3 normalMatrix = glm::transpose(inverseOf(options_.restFromObject)); // normals are covectors
         forEachCorner([&](std::size_t face, const Corner &c) {
             Vec3 n(0);
             const Index given = mesh_.cornerNormals.empty() ? kNone : mesh_.cornerNormals[c.self];
-            if (given != kNone)
-                n = normalMatrix * mesh_.normals[given];
+            if (given != kNone) // 0 - n: no zero gets a sign, which frames would read
+                n = normalMatrix * (isTurned(c.self) ? Vec3(0) - mesh_.normals[given] : mesh_.normals[given]);
             else
                 n = options_.smooth ? smooth[canonical_[mesh_.cornerPositions[c.self]]] : faceNormals[face];
             float length = glm::length(n);
@@ -163,7 +172,7 @@ class Builder {
     /// A render vertex while it is made: dP/du summed over the faces that share it.
     struct VertexSum {
         Index surface, uv, tangent;
-        bool mirrored;
+        bool mirrored, turned;
         Vec3 dPdu;
     };
 
@@ -178,7 +187,7 @@ class Builder {
             Vec3 dPdu(0);
             const bool mirrored = uv != kNone && cornerDerivative(face, c, dPdu);
             const auto [at, isNew] = known.try_emplace({cornerSurface_[c.self], uv, tangent, mirrored}, static_cast<Index>(sums.size()));
-            if (isNew) sums.push_back({cornerSurface_[c.self], uv, tangent, mirrored, Vec3(0)});
+            if (isNew) sums.push_back({cornerSurface_[c.self], uv, tangent, mirrored, isTurned(c.self), Vec3(0)});
             sums[at->second].dPdu += dPdu;
             cornerVertex_[c.self] = at->second;
         });
@@ -190,6 +199,7 @@ class Builder {
             if (hasUvs) surface_.uvs.push_back(sum.uv == kNone ? Vec2(0) : mesh_.uvs[sum.uv]);
             surface_.frameCoefficients.push_back(restFrame(sum));
             surface_.mirroredVertices += sum.mirrored ? 1 : 0;
+            surface_.turnedVertices += sum.turned ? 1 : 0;
         }
     }
 
@@ -257,7 +267,7 @@ class Builder {
         if (sum.tangent != kNone) {
             const Vec4 &tangent = mesh_.tangents[sum.tangent];
             direction = options_.restFromObject * Vec3(tangent);
-            hand = tangent.w < 0 ? -1.0F : 1.0F;
+            hand = (tangent.w < 0) != sum.turned ? -1.0F : 1.0F; // the bitangent stays where the file has it
         }
         Vec2 t(frame.toLocal(direction));
         const float length = glm::length(t);
@@ -286,17 +296,29 @@ class Builder {
     const Mesh &mesh_;
     const SurfaceOptions &options_;
     Surface surface_;
-    std::vector<Index> canonical_;     // position -> welded position
-    std::vector<Vec3> rest_;           // rest space
-    std::vector<Index> cornerSurface_; // corner -> surface vertex
-    std::vector<Index> surfaceNormal_; // surface vertex -> normal, on a limit surface
-    std::vector<Index> cornerVertex_;  // corner -> render vertex
+    std::vector<unsigned char> turned_; // [corners] cornersAgainstWinding()
+    std::vector<Index> canonical_;      // position -> welded position
+    std::vector<Vec3> rest_;            // rest space
+    std::vector<Index> cornerSurface_;  // corner -> surface vertex
+    std::vector<Index> surfaceNormal_;  // surface vertex -> normal, on a limit surface
+    std::vector<Index> cornerVertex_;   // corner -> render vertex
 };
 
 } // namespace
 
 Surface buildSurface(const Mesh &mesh, const SurfaceOptions &options) {
-    return Builder(mesh, options).build();
+    float size = 0;
+    for (int c = 0; c < 3; ++c) size = std::fmax(size, glm::length(options.restFromObject[c]));
+    const int exponent = std::ilogb(size);
+    if (std::abs(exponent) <= kPlainScale) return Builder(mesh, options).build();
+    // Squares of areas leave float: the rest shape is built near its own size, and what has a length in it is scaled back, exactly.
+    SurfaceOptions near = options;
+    near.restFromObject *= std::ldexp(1.0F, -exponent);
+    Surface surface = Builder(mesh, near).build();
+    surface.restFromObject = options.restFromObject;
+    for (std::vector<Vec2> *weights : {&surface.stencilWeights, &surface.weightGradients})
+        for (Vec2 &w : *weights) w *= std::ldexp(1.0F, -exponent);
+    return surface;
 }
 
 void compact(Surface &surface, bool fits) {

@@ -18,6 +18,7 @@
 ///                        Across a seam where the map runs on (within 20 degrees) both sides share one tangent.
 ///   SmoothFieldNoUv      without UVs (or where the UV map is degenerate) t0 comes from smoothTangentFromNormal: smooth over the
 ///                        sphere of normals but for one point (n = -z).
+///   NormalsFollowWinding a file's normals that point to the inner side of their faces are turned (mesh/winding.h).
 ///   SkipDegenerateFace   a face without area has no say in gradients and normals; it is still rendered by its neighbours' data.
 ///                        A sliver, whose height is lost in the rounding of its points, has as little.
 ///   RestAtLoneVertex     a surface vertex with only degenerate faces and slivers keeps A = identity.
@@ -79,6 +80,7 @@ struct Surface {
     Index loneVertices = 0;
     Index mirroredVertices = 0;
     Index fallbackTangents = 0; ///< render vertices under SmoothFieldNoUv
+    Index turnedVertices = 0;   ///< render vertices whose normal NormalsFollowWinding turned
 
     [[nodiscard]] std::size_t vertexCount() const { return vertexSurface.size(); }
     /// (e1, e2, normal) of a surface vertex, rest space: orthonormal, right-handed. A function of the normal, so that it needs no memory.

@@ -29,19 +29,29 @@ void resizeAll(SurfaceGradient &out, std::size_t count) {
         if (array->size() != count) array->resize(count);
 }
 
+/// `v` with length 1, however long it is; 0 where it has no length.
+Vec3 unitOf(const Vec3 &v) {
+    const float size = std::fmax(std::fabs(v.x), std::fmax(std::fabs(v.y), std::fabs(v.z)));
+    return size > 0 && std::isfinite(size) ? glm::normalize(v / size) : Vec3(0);
+}
+
 /// Policy KeepRestNormal: where the tangent parallelogram has collapsed its normal is the rest normal, carried along and made
 /// perpendicular to what is left of the tangents.
 Vec3 collapsedNormal(const Vec3 &f1, const Vec3 &f2, const Vec3 &carried) {
-    const Vec3 &longer = glm::dot(f1, f1) >= glm::dot(f2, f2) ? f1 : f2;
-    const float length = glm::length(longer);
-    Vec3 n = carried;
-    if (length > 0) {
-        const Vec3 along = longer / length;
-        n -= along * glm::dot(along, n);
-        if (!(glm::dot(n, n) > 1e-12F * glm::dot(carried, carried))) n = smoothFrameFromNormal(along).s;
+    const Vec3 u1 = unitOf(f1);
+    const Vec3 u2 = unitOf(f2);
+    if (!std::isfinite(glm::length(glm::cross(f1, f2)))) { // no collapse, but an area that float does not hold
+        const Vec3 upright = glm::cross(u1, u2);
+        if (const float sine = glm::length(upright); sine > kCollapsedSine) return upright / sine;
     }
-    const float size = glm::length(n);
-    return size > 0 && std::isfinite(size) ? n / size : Vec3(0, 0, 1);
+    const Vec3 &longer = glm::dot(f1, f1) >= glm::dot(f2, f2) ? u1 : u2;
+    Vec3 n = unitOf(carried);
+    if (longer != Vec3(0)) {
+        n -= longer * glm::dot(longer, n);
+        if (!(glm::dot(n, n) > 1e-12F)) n = smoothFrameFromNormal(longer).s;
+    }
+    const Vec3 unit = unitOf(n);
+    return unit != Vec3(0) ? unit : Vec3(0, 0, 1);
 }
 
 /// Unit normal of the tangents f1, f2; `carried` is the image of the rest normal, used where they have collapsed.
@@ -176,9 +186,12 @@ void fitHinge(const Surface &surface, std::size_t s, const MotionState &motion, 
     n += (normal * (mirrored ? -glm::length(n) : glm::length(n)) - n) * weight;
 }
 
-void applyDeformers(const MotionState &motion, DVec3 &x, DVec3 &f1, DVec3 &f2, DVec3 &n) {
+/// Returns what the deformers' Jacobians do to orientation, orientationOf() of their product.
+int applyDeformers(const MotionState &motion, DVec3 &x, DVec3 &f1, DVec3 &f2, DVec3 &n) {
+    int side = 1;
     for (const Deformer &deformer : motion.deformers) {
         const DeformedPoint image = deform(deformer, x);
+        side *= orientationOf(image.jacobian);
         x = image.position;
         f1 = image.jacobian * f1;
         f2 = image.jacobian * f2;
@@ -189,6 +202,7 @@ void applyDeformers(const MotionState &motion, DVec3 &x, DVec3 &f1, DVec3 &f2, D
     f1 = linear * f1;
     f2 = linear * f2;
     n = linear * n;
+    return side;
 }
 
 void throwNotFinite(const std::string &name) {
@@ -201,17 +215,22 @@ void evaluateGradient(const Surface &surface, const MotionState &motion, const S
                       const std::string &name, SurfaceGradient &out) {
     if (estimator != GradientEstimator::Analytic) {
         evaluatePositions(motion, skin, out.moved);
-        fitGradient(surface, out.moved, motion.mirrored, name, out);
+        orientationOfPoints(motion, skin, out.movedOrientation);
+        fitGradient(surface, out.moved, out.movedOrientation, name, out);
         return;
     }
     const std::size_t count = surface.normals.size();
     resizeAll(out, count);
     if (out.wantNormalImage && out.normalImage.size() != count) out.normalImage.resize(count);
-    const Mat3 objectFromRest = glm::inverse(surface.restFromObject);
+    const Mat3 objectFromRest = inverseOf(surface.restFromObject);
     const Mat3 carrierFromRest = Mat3(motion.carrier[0], motion.carrier[1], motion.carrier[2]) * objectFromRest;
     const bool skinned = !motion.joints.empty() && !skin.empty();
+    const int placed = motion.placedSide();
+    const int carried = orientationOf(DMat3(linearOf(motion.carrier))) * placed;
+    OrientationGatherer orientation(motion.mirrored, motion.turnsVary(skin), count, out.orientation);
     std::atomic<bool> finite{true};
     parallelFor(count, kGrain, [&](std::size_t s) {
+        int side = carried;
         const Vec3 x = motion.control[surface.surfacePosition[s]];
         auto [f1, f2, n] = surface.frameAt(s);
         if (motion.controlMoved && surface.stencilOffsets[s] != surface.stencilOffsets[s + 1]) {
@@ -223,6 +242,7 @@ void evaluateGradient(const Surface &surface, const MotionState &motion, const S
         Vec3 position;
         if (skinned) {
             const Blend blend = blendAt(surface, s, motion, skin, x);
+            side = orientationOf(DMat3(linearOf(blend.map))) * placed;
             position = transformPoint(blend.map, x);
             f1 = transformVector(blend.map, objectFromRest * f1) + blend.drift1;
             f2 = transformVector(blend.map, objectFromRest * f2) + blend.drift2;
@@ -239,24 +259,45 @@ void evaluateGradient(const Surface &surface, const MotionState &motion, const S
             DVec3 df1(f1);
             DVec3 df2(f2);
             DVec3 dn(n);
-            applyDeformers(motion, dx, df1, df2, dn);
+            side *= applyDeformers(motion, dx, df1, df2, dn);
             position = Vec3(dx);
             f1 = Vec3(df1);
             f2 = Vec3(df2);
             n = Vec3(dn);
         }
         if (out.wantNormalImage) out.normalImage[s] = n;
-        const Vec3 normal = normalOf(f1, f2, motion.mirrored ? -n : n);
+        const bool mirrored = orientation.set(s, side);
+        const Vec3 normal = normalOf(f1, f2, mirrored ? -n : n);
         out.position[s] = position;
         out.f1[s] = f1;
         out.f2[s] = f2;
-        out.normal[s] = motion.mirrored ? -normal : normal;
+        out.normal[s] = mirrored ? -normal : normal;
         if (!isFinite(position)) finite = false;
     });
+    orientation.finish();
     if (!finite) throwNotFinite(name);
 }
 
-void fitGradient(const Surface &surface, std::span<const Vec3> renderPoints, bool mirrored, const std::string &name, SurfaceGradient &out) {
+namespace {
+
+/// What the map does at a surface vertex, from the points that it is computed from: on a limit surface as most of their weight says.
+bool isMirroredAt(const Surface &surface, std::size_t s, const Orientation &points) {
+    if (points.at.empty()) return points.mirrored;
+    if (!surface.onLimit()) return points.at[surface.surfacePosition[s]] < 0;
+    float sum = 0; // of weights relative to the first point's
+    const Index begin = surface.stencilOffsets[s];
+    const Index end = surface.stencilOffsets[s + 1];
+    if (begin == end) return points.mirrored;
+    const auto origin = static_cast<float>(points.at[surface.stencilPositions[begin]]);
+    for (Index k = begin; k < end; ++k)
+        sum += surface.stencilPoints[k] * (static_cast<float>(points.at[surface.stencilPositions[k]]) - origin);
+    return origin + sum < 0;
+}
+
+} // namespace
+
+void fitGradient(const Surface &surface, std::span<const Vec3> renderPoints, const Orientation &points, const std::string &name,
+                 SurfaceGradient &out) {
     const std::size_t count = surface.normals.size();
     resizeAll(out, count);
     std::atomic<bool> finite{true};
@@ -265,7 +306,11 @@ void fitGradient(const Surface &surface, std::span<const Vec3> renderPoints, boo
         if (out.points.size() != renderPoints.size()) out.points.resize(renderPoints.size());
         parallelFor(renderPoints.size(), kGrain, [&](std::size_t i) { out.points[i] = Vec4(renderPoints[i], 0); });
     }
+    out.orientation.mirrored = points.mirrored;
+    out.orientation.at.resize(points.at.empty() ? 0 : count);
     parallelFor(count, kGrain, [&](std::size_t s) {
+        const bool mirrored = isMirroredAt(surface, s, points);
+        if (!points.at.empty()) out.orientation.at[s] = mirrored ? -1 : 1;
         bool known = surface.stencilOffsets[s] != surface.stencilOffsets[s + 1];
         if (onLimit) {
             known = surface.slope[s].x < kInfinity; // RestAtLoneVertex

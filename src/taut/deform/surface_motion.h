@@ -10,6 +10,7 @@
 #include "taut/deform/affine.h"
 #include "taut/deform/deformer.h"
 #include "taut/deform/estimators.h"
+#include "taut/deform/orientation.h"
 #include "taut/deform/stretch.h"
 
 #include <span>
@@ -26,14 +27,21 @@ struct MotionState {
     Affine carrier{1};               ///< for a mesh without a skin, and for vertices without influences
     std::vector<Deformer> deformers; ///< act in the space that joints / carrier lead into
     DMat4 renderFromDeformed{1};     ///< used where there are deformers
-    bool mirrored = false;           ///< the map as a whole turns orientation over
+    bool mirrored = false;           ///< carrier and placement turn orientation over: what counts where the map is too flat to tell
+
+    /// Whether the map's orientation may differ from vertex to vertex.
+    [[nodiscard]] bool turnsVary(const SkinWeights &skin) const { return (!joints.empty() && !skin.empty()) || !deformers.empty(); }
+    /// orientationOf() what follows the deformers.
+    [[nodiscard]] int placedSide() const { return deformers.empty() ? 1 : orientationOf(DMat3(renderFromDeformed)); }
 };
 
 /// Gradient of every surface vertex in render space: x, and f1 = dx/de1, f2 = dx/de2 in the tangent plane of the unit normal.
 struct SurfaceGradient {
     std::vector<Vec3> position, f1, f2, normal;
-    std::vector<Vec3> moved;  ///< scratch: control points in render space, where the gradient is a fit to them
-    std::vector<Vec4> points; ///< scratch: control points, padded for four lanes
+    Orientation orientation;      ///< of the map at the surface vertices, by the sign of its determinant; `normal` is the outer one
+    std::vector<Vec3> moved;      ///< scratch: control points in render space, where the gradient is a fit to them
+    Orientation movedOrientation; ///< scratch: of the map at those
+    std::vector<Vec4> points;     ///< scratch: control points, padded for four lanes
     bool wantNormalImage = false;
     std::vector<Vec3> normalImage; ///< where wanted: F n0, the image of the rest normal under the deformers and what carries them,
                                    ///< the third column of F; by the Analytic estimator only, else empty
@@ -51,11 +59,12 @@ void evaluateGradient(const Surface &surface, const MotionState &motion, const S
                       const std::string &name, SurfaceGradient &out);
 
 /// Gradient from positions alone, which are already in render space: those of the surface's mesh, or of the cage of a limit surface.
-void fitGradient(const Surface &surface, std::span<const Vec3> renderPoints, bool mirrored, const std::string &name, SurfaceGradient &out);
+/// `points` says what the map does there.
+void fitGradient(const Surface &surface, std::span<const Vec3> renderPoints, const Orientation &points, const std::string &name,
+                 SurfaceGradient &out);
 
 /// Positions of control points in render space (for subdivision, and where only positions are wanted).
 void evaluatePositions(const MotionState &motion, const SkinWeights &skin, std::vector<Vec3> &out);
-
 /// Images of the rest frame (t0, b0) of a render vertex, and the unit normal.
 struct VertexGradient {
     Vec3 ds, dt, n;

@@ -79,7 +79,7 @@ void resizeFrame(GlossMesh &mesh, std::size_t count, bool convention) {
 /// The world from which the object's placement is taken out again.
 DMat4 objectFromWorld(const Object &object, double frame) {
     const DMat4 placement = placementAt(object.placement, frame);
-    if (!(std::fabs(glm::determinant(DMat3(placement))) > 1e-30))
+    if (orientationOf(DMat3(placement)) == 0)
         throw RunError("mesh '" + object.name + "': its placement at frame " + std::to_string(frame) +
                        " is flat, so it has no positions in object space");
     return glm::inverse(placement);
@@ -111,11 +111,13 @@ void glossAtFrame(const Scene &scene, double frame, const GlossOptions &options,
     GlossMesh &mesh = out.mesh;
     mesh.convention = options.convention;
     resizeFrame(mesh, out.sources.size(), options.convention != nullptr);
-    if (const bool flip = out.surface.mirrored && !options.restPositions; flip != out.flipped) {
-        for (Index3 &t : mesh.triangles) std::swap(t.y, t.z);
-        out.flipped = flip;
+    if (out.flipped.empty()) out.flipped.resize(mesh.triangles.size(), 0);
+    for (Index t = 0; t < mesh.triangles.size(); ++t) {
+        const unsigned char flip = out.surface.isMirrored(t) && !options.restPositions ? 1 : 0;
+        if (flip != out.flipped[t]) std::swap(mesh.triangles[t].y, mesh.triangles[t].z);
+        out.flipped[t] = flip;
     }
-    const Mat3 objectFromRest = glm::inverse(surface.restFromObject);
+    const Mat3 objectFromRest = inverseOf(surface.restFromObject);
     const bool follows = object.follow && !out.rigid;
     const bool leans = follows && object.lean && !out.surface.gradient.normalImage.empty();
     const bool stored = hasStoredGloss(out.surface.mesh(), surface);

@@ -18,8 +18,8 @@ struct GlossObject {
     std::vector<Index> sources;   ///< [vertices of mesh] -> render vertex of the surface
     std::vector<Index> materials; ///< [vertices of mesh] -> material of the scene
     bool rigid = false;
-    bool flipped = false;    ///< mesh.triangles are turned over
-    std::size_t clipped = 0; ///< vertices outside the convention's limits, summed over frames
+    std::vector<unsigned char> flipped; ///< [triangles] of mesh: turned over
+    std::size_t clipped = 0;            ///< vertices outside the convention's limits, summed over frames
 };
 
 /// Topology and what no frame changes. A render vertex that faces of several materials share becomes one vertex for each.

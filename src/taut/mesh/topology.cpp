@@ -171,4 +171,13 @@ Topology topologyOf(const Mesh &mesh, bool weld) {
     return Builder(mesh, weldPositions(mesh, weld)).count();
 }
 
+std::vector<Vec3> pointsOfFaces(const Mesh &mesh, const std::vector<Vec3> &positions) {
+    std::vector<unsigned char> used(positions.size(), 0);
+    for (const Index position : mesh.cornerPositions) used[position] = 1;
+    std::vector<Vec3> points;
+    for (std::size_t i = 0; i < positions.size(); ++i)
+        if (used[i] != 0) points.push_back(positions[i]);
+    return points;
+}
+
 } // namespace taut

@@ -16,4 +16,7 @@ struct Topology {
 /// alike are one (weld.h).
 Topology topologyOf(const Mesh &mesh, bool weld);
 
+/// The points among `positions`, places of the mesh's own positions, that a face has: others are never seen.
+std::vector<Vec3> pointsOfFaces(const Mesh &mesh, const std::vector<Vec3> &positions);
+
 } // namespace taut

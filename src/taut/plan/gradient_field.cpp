@@ -56,7 +56,8 @@ void GradientField::add(const ObjectSurface &object) {
     for (std::size_t v = 0; v < count; ++v) fromMean = std::fmax(fromMean, distance(tensors[v], mean) / least[v]);
 
     std::size_t foldedNow = 0;
-    for (const Index3 &t : object.surface.triangles) {
+    for (Index i = 0; i < object.surface.triangles.size(); ++i) {
+        const Index3 &t = object.surface.triangles[i];
         SymmetricTensor middle{Vec3(0), Vec3(0)};
         for (int k = 0; k < 3; ++k) {
             middle.diagonal += tensors[t[k]].diagonal / 3.0F;
@@ -65,7 +66,7 @@ void GradientField::add(const ObjectSurface &object) {
         for (int k = 0; k < 3; ++k) withinFace = std::fmax(withinFace, distance(tensors[t[k]], middle) / least[t[k]]);
         const auto position = [&](int k) { return object.gradient.position[object.surface.vertexSurface[t[k]]]; };
         const auto normal = [&](int k) { return object.gradient.normal[object.surface.vertexSurface[t[k]]]; };
-        const Vec3 up = glm::cross(position(1) - position(0), position(2) - position(0)) * (object.mirrored ? -1.0F : 1.0F);
+        const Vec3 up = glm::cross(position(1) - position(0), position(2) - position(0)) * (object.isMirrored(i) ? -1.0F : 1.0F);
         if (glm::dot(up, normal(0)) < 0 && glm::dot(up, normal(1)) < 0 && glm::dot(up, normal(2)) < 0) ++foldedNow;
     }
     folded = std::max(folded, foldedNow);

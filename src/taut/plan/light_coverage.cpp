@@ -1,5 +1,6 @@
 #include "taut/plan/light_coverage.h"
 
+#include "taut/mesh/topology.h"
 #include "taut/scene/object_motion.h"
 
 #include <algorithm>
@@ -99,7 +100,7 @@ Bounds worldBounds(const Object &object, double frame, double fps) {
     motionAtFrame(object, frame, fps, DMat4(1), motion);
     std::vector<Vec3> points;
     evaluatePositions(motion.state, object.mesh->skin, points);
-    return boundsOf(points);
+    return boundsOf(pointsOfFaces(*object.mesh, points));
 }
 
 } // namespace taut

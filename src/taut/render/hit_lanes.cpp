@@ -248,6 +248,7 @@ PlainMaterial plainMaterial(const PreparedMaterial &prepared) {
     const Material &m = *prepared.material;
     const BsdfInfo &info = bsdfInfo(m.type);
     if (!info.lanes || m.unlit || m.color.texture != kNone || m.metallic.texture != kNone || m.poisson != 0) return plain;
+    if (info.refracts && fresnel::isMatched(m.ior)) return plain; // passes light straight on (bsdf.h)
     plain.bsdf = bsdfOf(prepared, valuesOf(prepared, m.color.value), 1);
     if (info.microsurface) {
         const bool textured = m.alphaX.texture != kNone || m.alphaY.texture != kNone || m.rotation.texture != kNone ||

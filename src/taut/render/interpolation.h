@@ -51,8 +51,9 @@ template <bool kStill> class HitCorners {
         const Vec3 p2 = at(&SurfaceStep::positions, corners_.z);
         InterpolatedSurface p;
         p.position = weighted(p0, p1, p2);
-        p.e1 = object_.mirrored ? p2 - p0 : p1 - p0;
-        p.e2 = object_.mirrored ? p1 - p0 : p2 - p0;
+        const bool mirrored = object_.isMirrored(triangle_);
+        p.e1 = mirrored ? p2 - p0 : p1 - p0;
+        p.e2 = mirrored ? p1 - p0 : p2 - p0;
         p.normal = interpolate(&SurfaceStep::normals);
         p.tangent = interpolate(&SurfaceStep::tangents);
         p.corners = std::max(extentOf(p0), std::max(extentOf(p1), extentOf(p2)));

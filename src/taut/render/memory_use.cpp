@@ -28,15 +28,16 @@ MemoryUse memoryUse(const RenderScene &scene) {
         const Surface &s = object.surface;
         use.triangles += s.triangles.size();
         use.vertices += s.vertexCount();
-        use.shown += bytesOf(s.triangles, s.triangleSlots, s.uvs, object.storedPoisson);
+        use.shown += bytesOf(s.triangles, s.triangleSlots, s.uvs, object.storedPoisson, object.turned);
         for (const SurfaceStep &step : object.steps)
             use.shown += bytesOf(step.positions, step.normals, step.tangents, step.stretch, step.lean, step.ds, step.dt);
         use.motion += bytesOf(s.vertexSurface, s.vertexTangents, s.frameCoefficients, s.surfacePosition, s.normals, s.stencilOffsets,
                               s.stencilPositions, s.stencilWeights, s.stencilPoints, s.slope, s.ringOffsets, s.ringFaces, s.ringTilts,
                               s.hinges, s.weightGradientOffsets, s.weightGradientJoints, s.weightGradients);
         const SurfaceGradient &g = object.gradient;
-        use.motion += bytesOf(g.position, g.f1, g.f2, g.normal, g.moved, g.points, g.normalImage, object.motion.control, object.cage,
-                              object.refined, object.restTangents, object.metrics);
+        use.motion +=
+            bytesOf(g.position, g.f1, g.f2, g.normal, g.moved, g.points, g.normalImage, g.orientation.at, g.movedOrientation.at,
+                    object.cageOrientation.at, object.motion.control, object.cage, object.refined, object.restTangents, object.metrics);
         use.motion += bytesOf(object.frame.positions, object.frame.normals, object.frame.ds, object.frame.dt);
         if (object.subdivision) {
             const Subdivision &d = *object.subdivision;

@@ -19,13 +19,19 @@ struct EmittingTriangle {
     Vec3 cross; ///< twice the area long, on the side that shines
 };
 
+/// Of a triangle's cross product, whose square may leave float.
+float lengthOf(const Vec3 &cross) {
+    const float length = glm::length(cross);
+    return std::isfinite(length) ? length : static_cast<float>(glm::length(DVec3(cross)));
+}
+
 EmittingTriangle emittingTriangle(const MeshEmitter &emitter, Index triangle, float time) {
     const Index3 &t = emitter.triangles[triangle];
     EmittingTriangle e;
     e.corner = emitterPosition(emitter, t.x, time);
     e.e1 = emitterPosition(emitter, t.y, time) - e.corner;
     e.e2 = emitterPosition(emitter, t.z, time) - e.corner;
-    e.cross = glm::cross(e.e1, e.e2) * (emitter.mirrored ? -1.0F : 1.0F);
+    e.cross = glm::cross(e.e1, e.e2) * emitter.side(triangle);
     return e;
 }
 
@@ -33,7 +39,7 @@ EmittingTriangle emittingTriangle(const MeshEmitter &emitter, Index triangle, fl
 
 bool operator==(const MeshEmitter &a, const MeshEmitter &b) {
     return sameMemory(a.steps, b.steps) && sameMemory(a.placements, b.placements) && sameMemory(a.triangles, b.triangles) &&
-           a.twoSided == b.twoSided && a.mirrored == b.mirrored;
+           a.twoSided == b.twoSided && a.mirrored == b.mirrored && sameMemory(a.turned, b.turned);
 }
 
 Vec3 emitterPosition(const MeshEmitter &emitter, Index vertex, float time) {
@@ -46,14 +52,14 @@ Vec3 emitterPosition(const MeshEmitter &emitter, Index vertex, float time) {
 }
 
 float emitterArea(const MeshEmitter &emitter, Index triangle, float time) {
-    return 0.5F * glm::length(emittingTriangle(emitter, triangle, time).cross);
+    return 0.5F * lengthOf(emittingTriangle(emitter, triangle, time).cross);
 }
 
 LightSample sampleEmitter(const MeshEmitter &emitter, Index triangle, const Vec3 &radiance, const Vec3 &point, float time,
                           const Vec2 &number) {
     const EmittingTriangle e = emittingTriangle(emitter, triangle, time);
     const Vec2 b = squareToTriangle(number);
-    const float length = glm::length(e.cross);
+    const float length = lengthOf(e.cross);
     if (!(length > 0)) return {};
     return sampleOfArea(radiance, emitter.twoSided, 0.5F * length, point, e.corner + e.e1 * b.x + e.e2 * b.y, e.cross / length);
 }
@@ -70,11 +76,11 @@ LightBounds emitterBounds(const MeshEmitter &emitter, Index triangle, float stre
     float sum = 0;
     const auto turn = [&](const Vec3 &cross) {
         ++controls;
-        const float length = glm::length(cross);
+        const float length = lengthOf(cross);
         if (!(length > 0)) return;
         sum += 0.5F * length;
         LightBounds one = bounds;
-        one.axis = cross * ((emitter.mirrored ? -1.0F : 1.0F) / length);
+        one.axis = cross * (emitter.side(triangle) / length);
         one.power = 1;
         cone = united(cone, one);
     };

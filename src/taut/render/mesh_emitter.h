@@ -12,6 +12,8 @@ struct MeshEmitter {
     std::span<const Index3> triangles;
     bool twoSided = false;
     bool mirrored = false;
+    std::span<const unsigned char> turned; ///< ObjectSurface::turned
+    [[nodiscard]] float side(Index triangle) const { return (turned.empty() ? mirrored : turned[triangle] != 0) ? -1.0F : 1.0F; }
 };
 
 /// Whether both read the same memory: what stands there may have changed.

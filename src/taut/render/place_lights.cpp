@@ -21,7 +21,8 @@ bool isSampled(const RenderObject &object) {
 LightEntry emitter(const RenderObject &object) {
     LightEntry entry;
     entry.radiance = object.object->emission.value;
-    entry.shape = MeshEmitter{object.steps, object.placements, object.surface.triangles, object.object->emissionTwoSided, object.mirrored};
+    entry.shape = MeshEmitter{object.steps,    object.placements, object.surface.triangles, object.object->emissionTwoSided,
+                              object.mirrored, object.turned};
     return entry;
 }
 

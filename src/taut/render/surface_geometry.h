@@ -11,6 +11,9 @@
 #include "taut/deform/gradient_interpolation.h"
 #include "taut/microsurface/transform.h"
 
+#include <bit>
+#include <cstdint>
+
 namespace taut {
 
 /// A point of a triangle, render space.
@@ -49,10 +52,18 @@ inline float clearanceOf(const Vec3 &position, float corners) {
     return larger > 1e-12F ? larger : 1e-12F;
 }
 
+/// A power of two that brings lengths of about `extent` near 1, exactly: squares of the areas of triangles leave float from a billion
+/// metres on.
+inline float scaleToUnit(float extent) {
+    const auto exponent = std::bit_cast<std::uint32_t>(extent) & 0x7f800000U;
+    return std::bit_cast<float>(0x7f000000U - (exponent < 0x7f000000U ? exponent : 0x7e800000U));
+}
+
 /// `wo`: unit, back along the ray.
 inline SurfaceGeometry surfaceGeometry(const InterpolatedSurface &p, const Vec3 &wo) {
     SurfaceGeometry g;
-    const Vec3 cross = glm::cross(p.e1, p.e2);
+    const float unit = scaleToUnit(p.corners);
+    const Vec3 cross = glm::cross(p.e1 * unit, p.e2 * unit);
     const float doubleArea = std::sqrt(glm::dot(cross, cross));
     const bool flat = doubleArea > 0;
     const float inverse = flat ? 1 / doubleArea : 0.0F;
@@ -72,8 +83,8 @@ inline SurfaceGeometry surfaceGeometry(const InterpolatedSurface &p, const Vec3 
     const float y = glm::dot(g.t, tangent);
     const float tangentLength = std::sqrt(x * x + y * y);
     const bool known = tangentLength > 0;
-    const float unit = known ? 1 / tangentLength : 0.0F;
-    g.tangent = {known ? x * unit : 1.0F, known ? y * unit : 0.0F};
+    const float perLength = known ? 1 / tangentLength : 0.0F;
+    g.tangent = {known ? x * perLength : 1.0F, known ? y * perLength : 0.0F};
     g.clearance = clearanceOf(p.position, p.corners);
     g.sense = (p.tangent.w < 0 ? -1.0F : 1.0F) * g.facing;
     return g;

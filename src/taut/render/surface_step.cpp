@@ -144,17 +144,13 @@ void fillRigid(const RenderObject &object, const Affine &map, const Mat3 &rotati
     });
 }
 
-Mat3 linearOf(const Affine &m) {
-    return {m[0], m[1], m[2]};
-}
-
 /// A rigid object's carrier is a rotation, or a reflection, after the constant placement that rest space has behind it.
 bool moveRigid(RenderObject &object, std::size_t step, double frame, double fps, const DMat4 &renderFromWorld) {
     motionAtFrame(*object.object, frame, fps, renderFromWorld, object.motion);
     const MotionState &state = object.motion.state;
     object.mirrored = state.mirrored;
     const Mat3 &restFromObject = object.surface.restFromObject;
-    const Mat3 objectFromRest = glm::inverse(restFromObject);
+    const Mat3 objectFromRest = inverseOf(restFromObject);
     const Mat3 rotation = linearOf(state.carrier) * objectFromRest;
     if (!object.instanced) { // asked for one frame
         fillRigid(object, state.carrier, rotation, object.steps[step]);

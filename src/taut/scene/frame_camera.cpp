@@ -1,3 +1,4 @@
+#include "taut/mesh/topology.h"
 #include "taut/scene/load_context.h"
 #include "taut/scene/object_motion.h"
 
@@ -10,7 +11,7 @@ struct Sphere {
     double radius = 1;
 };
 
-/// A sphere around everything at one frame, world space; the unit sphere where there is nothing.
+/// A sphere around everything that is seen at one frame, world space; the unit sphere where there is nothing.
 Sphere boundingSphere(const Scene &scene, double frame) {
     std::vector<Vec3> all;
     for (const Object &object : scene.objects) {
@@ -18,7 +19,8 @@ Sphere boundingSphere(const Scene &scene, double frame) {
         motionAtFrame(object, frame, scene.render.fps, DMat4(1), motion);
         std::vector<Vec3> positions;
         evaluatePositions(motion.state, object.mesh->skin, positions);
-        all.insert(all.end(), positions.begin(), positions.end());
+        const std::vector<Vec3> seen = pointsOfFaces(*object.mesh, positions);
+        all.insert(all.end(), seen.begin(), seen.end());
     }
     const Bounds bounds = boundsOf(all);
     if (bounds.empty()) return {};

@@ -167,10 +167,7 @@ Placement loadPlacement(TableReader &table, bool yUpByDefault) {
     Placement placement;
     table.read("translate", placement.translation, keyedVec3In());
     table.read("rotate_deg", placement.rotation, keyedVec3In(kDegrees, radians(1)));
-    if (const TomlValue *scale = table.find("scale")) {
-        placement.scale = toKeyedTriple(*scale, kAnyNumber);
-        failOn(scale->where, mistakeInScale(placement));
-    }
+    if (const TomlValue *scale = table.find("scale")) placement.scale = toKeyedTriple(*scale, kAnyNumber);
     bool yUp = yUpByDefault;
     table.read("up", yUp, oneOf<bool>({{"z", false}, {"y", true}}));
     // (x, y, z) -> (x, -z, y): a quarter turn about x.

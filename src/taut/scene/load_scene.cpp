@@ -2,6 +2,7 @@
 
 #include "taut/base/file_bytes.h"
 #include "taut/formats/read_mesh.h"
+#include "taut/mesh/winding.h"
 #include "taut/scene/check_scene.h"
 #include "taut/scene/load_context.h"
 
@@ -42,6 +43,18 @@ TomlValue readRoot(const std::string &path) {
     failInput({path, 0, 0, -1}, "a file of unknown kind", "a scene .toml, a .glb or .gltf, or a mesh .obj, .ply, .off or .stl");
 }
 
+/// NormalsFollowWinding, once a mesh; subdivision makes its own normals.
+void warnOfTurnedNormals(LoadContext &context) {
+    std::set<const Mesh *> seen;
+    for (const Object &object : context.scene.objects) {
+        if (object.subdivision.level > 0 || !seen.insert(object.mesh.get()).second) continue;
+        if (const std::size_t count = normalsAgainstWinding(*object.mesh); count > 0)
+            context.warnings.add("mesh " + quoted(object.name) + ": " + std::to_string(count) + " of " +
+                                 std::to_string(object.mesh->normals.size()) +
+                                 " normals contradict the winding of their faces and are turned");
+    }
+}
+
 bool isLit(const Scene &scene) {
     return scene.environment || !scene.lights.empty() ||
            std::any_of(scene.objects.begin(), scene.objects.end(), [](const Object &object) { return object.emission.value != Vec3(0); });
@@ -67,6 +80,7 @@ Scene loadScene(const std::string &path, const std::vector<std::string> &overrid
     for (const Object &object : context.scene.objects)
         if (object.subdivision.level > 0 && !object.mesh->storedM.empty())
             context.warnings.add("mesh " + quoted(object.name) + ": its stored M is left out under subdivision");
+    warnOfTurnedNormals(context);
     check(context.scene);
     return std::move(context.scene);
 }

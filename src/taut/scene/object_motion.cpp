@@ -10,50 +10,6 @@ namespace taut {
 
 namespace {
 
-/// Joint matrices of the rest pose whose linear parts differ by less than this (relative) are one placement.
-constexpr double kSamePlacement = 1e-4;
-
-const Skin *skinOf(const Object &object) {
-    if (!object.rig || object.mesh->skin.empty()) return nullptr;
-    const Index skin = object.rig->rig->nodes[object.rig->node].skin;
-    return skin == kNone ? nullptr : &object.rig->rig->skins[skin];
-}
-
-double maxAbs(const DMat3 &m) {
-    double largest = 0;
-    for (int c = 0; c < 3; ++c)
-        for (int r = 0; r < 3; ++r) largest = std::max(largest, std::fabs(m[c][r]));
-    return largest;
-}
-
-/// The placement that a skeleton in its rest pose gives the bind pose: the joints' common linear map where they agree, else the
-/// median of their scales.
-DMat3 skeletonPlacement(const std::vector<DMat4> &joints) {
-    if (joints.empty()) return DMat3(1);
-    const DMat3 first(joints.front());
-    const double size = maxAbs(first);
-    const bool common =
-        std::all_of(joints.begin(), joints.end(), [&](const DMat4 &j) { return maxAbs(DMat3(j) - first) <= kSamePlacement * size; });
-    if (common && glm::determinant(first) != 0) return first;
-    std::vector<double> scales;
-    for (const DMat4 &j : joints) scales.push_back(std::cbrt(std::fabs(glm::determinant(DMat3(j)))));
-    std::nth_element(scales.begin(), scales.begin() + static_cast<std::ptrdiff_t>(scales.size() / 2), scales.end());
-    const double median = scales[scales.size() / 2];
-    return DMat3(median > 0 ? median : 1.0);
-}
-
-/// The symmetric factor S of L = R S: the shape that a placement gives, without its rotation (Higham 1986, Newton's iteration).
-DMat3 withoutRotation(const DMat3 &placement) {
-    DMat3 r = placement;
-    for (int i = 0; i < 32; ++i) r = 0.5 * (r + glm::transpose(glm::inverse(r)));
-    DMat3 s = glm::transpose(r) * placement;
-    const double size = maxAbs(s);
-    for (int c = 0; c < 3; ++c)
-        for (int k = 0; k < 3; ++k)
-            if (std::fabs(s[c][k]) < 1e-14 * size) s[c][k] = 0;
-    return s;
-}
-
 /// The object's points at a frame.
 std::span<const Vec3> pointsAt(const Object &object, double frame, double fps, ObjectMotion &motion) {
     if (motion.source != object.points) {
@@ -71,28 +27,6 @@ std::span<const Vec3> pointsAt(const Object &object, double frame, double fps, O
 }
 
 } // namespace
-
-Mat3 restFromObject(const Object &object) {
-    DMat3 rest(1);
-    if (object.rig) {
-        const std::shared_ptr<const Pose> pose = restPoseOf(*object.rig);
-        const Skin *skin = skinOf(object);
-        rest = skin != nullptr ? skeletonPlacement(jointMatrices(*skin, *pose)) : DMat3(pose->worldFromNode[object.rig->node]);
-    }
-    rest = placementRest(object.placement) * rest;
-    const double det = glm::determinant(rest);
-    if (!(std::fabs(det) > 1e-30)) return Mat3(1); // a placement flattened to nothing says nothing about scale
-    return Mat3(withoutRotation(det < 0 ? -rest : rest));
-}
-
-bool isRigid(const Object &object) {
-    if (object.points || !object.deformers.empty() || !object.rest.bind || !object.placement.scale.isConstant()) return false;
-    if (!object.rig) return true;
-    if (skinOf(object) != nullptr || !object.mesh->morphs.empty()) return false;
-    // A node is rigid where nothing above it scales over time.
-    const RigMotion &motion = *object.rig;
-    return !motion.poses->isMoved(motion.rig, clipOf(motion), motion.node, ChannelPath::Scale);
-}
 
 bool deforms(const Object &object) {
     return !isRigid(object) || !object.mesh->storedM.empty();
@@ -127,7 +61,7 @@ void motionAtFrame(const Object &object, double frame, double fps, const DMat4 &
         state.control = pointsAt(object, frame, fps, motion);
         state.controlMoved = true;
     }
-    double orientation = glm::determinant(DMat3(renderFromScene));
+    DMat3 linear(renderFromScene);
     if (object.rig) {
         const std::shared_ptr<const Pose> pose = poseAtFrame(*object.rig, frame, fps);
         const std::vector<float> &weights = pose->morphWeights[object.rig->node];
@@ -139,15 +73,14 @@ void motionAtFrame(const Object &object, double frame, double fps, const DMat4 &
         if (const Skin *skin = skinOf(object)) {
             const std::vector<DMat4> joints = jointMatrices(*skin, *pose);
             for (const DMat4 &joint : joints) state.joints.push_back(affineOf(target * joint));
-            orientation *= glm::determinant(DMat3(joints.front()));
             sceneFromObject = DMat4(1); // glTF: the node of a skinned mesh does not move it
         } else {
             sceneFromObject = pose->worldFromNode[object.rig->node];
-            orientation *= glm::determinant(DMat3(sceneFromObject));
+            linear = linear * DMat3(sceneFromObject);
         }
     }
     state.carrier = affineOf(target * sceneFromObject);
-    state.mirrored = orientation < 0;
+    state.mirrored = orientationOf(linear) < 0;
 }
 
 } // namespace taut

@@ -3,15 +3,11 @@
 /// MotionState that deform/ evaluates.
 
 #include "taut/deform/surface_motion.h"
-#include "taut/scene/scene.h"
+#include "taut/scene/rest_placement.h"
 
 #include <memory>
 
 namespace taut {
-
-/// Linear part of the rest placement (docs/pipeline.md, "The rest state"): constant scale and shear of the object's placement, of
-/// its node and of its skeleton. Symmetric and positive: rotation and mirroring change no shape and are left out.
-Mat3 restFromObject(const Object &object);
 
 /// What one object holds as long as it is rendered.
 struct ObjectMotion {
@@ -27,8 +23,6 @@ struct ObjectMotion {
 /// can't be read, are not as many as its mesh has, or are not finite.
 void motionAtFrame(const Object &object, double frame, double fps, const DMat4 &renderFromWorld, ObjectMotion &motion);
 
-/// True where the object's surface is never deformed relative to its rest state: rigid or constant placements only.
-bool isRigid(const Object &object);
 /// Whether its vertices or their M change between frames, as those of every mesh that stores its M may.
 bool deforms(const Object &object);
 /// Whether it may be somewhere else at another time.

@@ -5,6 +5,33 @@
 
 namespace taut {
 
+namespace {
+
+/// From control points to the points of the refined mesh, where it differs between them.
+void refineOrientation(const StencilTable &stencils, Orientation &orientation) {
+    if (orientation.at.empty()) return;
+    std::vector<Vec3> signs;
+    for (const signed char side : orientation.at) signs.emplace_back(static_cast<float>(side), 0, 0);
+    std::vector<Vec3> refined;
+    applyStencils(stencils, signs, refined);
+    orientation.at.clear();
+    for (const Vec3 &side : refined) orientation.at.push_back(side.x < 0 ? -1 : 1);
+}
+
+/// Which triangles are seen the other way round: a triangle goes with most of its corners.
+void orientTriangles(ObjectSurface &object) {
+    const Orientation &orientation = object.gradient.orientation;
+    object.mirrored = orientation.mirrored;
+    object.turned.resize(orientation.at.empty() ? 0 : object.surface.triangles.size());
+    for (std::size_t t = 0; t < object.turned.size(); ++t) {
+        int sum = 0;
+        for (int k = 0; k < 3; ++k) sum += orientation.at[object.surface.vertexSurface[object.surface.triangles[t][k]]];
+        object.turned[t] = sum < 0 ? 1 : 0;
+    }
+}
+
+} // namespace
+
 GradientEstimator defaultEstimator(const Object &object) {
     return object.gradient.value_or(object.subdivision.level > 0 ? GradientEstimator::Limit : GradientEstimator::Analytic);
 }
@@ -56,17 +83,19 @@ void deformAtFrame(ObjectSurface &object, double frame, double fps, const DMat4 
     const Object &source = *object.object;
     motionAtFrame(source, frame, fps, targetFromWorld, object.motion);
     const MotionState &state = object.motion.state;
-    object.mirrored = state.mirrored;
     if (object.subdivision) {
         evaluatePositions(state, source.mesh->skin, object.cage);
         const bool onLimit = object.surface.onLimit();
         if (!onLimit) applyStencils(object.subdivision->positions, object.cage, object.refined);
+        orientationOfPoints(state, source.mesh->skin, object.cageOrientation);
+        if (!onLimit) refineOrientation(object.subdivision->positions, object.cageOrientation);
         deformationSeconds += watch.lap();
-        fitGradient(object.surface, onLimit ? object.cage : object.refined, state.mirrored, source.name, object.gradient);
+        fitGradient(object.surface, onLimit ? object.cage : object.refined, object.cageOrientation, source.name, object.gradient);
     } else {
         deformationSeconds += watch.lap();
         evaluateGradient(object.surface, state, source.mesh->skin, object.estimator, source.name, object.gradient);
     }
+    orientTriangles(object);
     gradientSeconds += watch.lap();
 }
 

@@ -17,12 +17,15 @@ struct ObjectSurface {
     Surface surface;
     ObjectMotion motion;
     GradientEstimator estimator = GradientEstimator::Analytic;
-    std::vector<Vec3> cage;    ///< subdivision: control points in target space
-    std::vector<Vec3> refined; ///< subdivision, estimators other than Limit: limit points in target space
+    std::vector<Vec3> cage;      ///< subdivision: control points in target space
+    Orientation cageOrientation; ///< subdivision: of the map at the control points
+    std::vector<Vec3> refined;   ///< subdivision, estimators other than Limit: limit points in target space
     SurfaceGradient gradient;
-    SurfaceFrame frame;    ///< filled by surfaceAtFrame
-    bool mirrored = false; ///< triangles are seen the other way round
+    SurfaceFrame frame;                ///< filled by surfaceAtFrame
+    bool mirrored = false;             ///< triangles are seen the other way round
+    std::vector<unsigned char> turned; ///< [triangles] the same for each, where they differ; else empty
 
+    [[nodiscard]] bool isMirrored(Index triangle) const { return turned.empty() ? mirrored : turned[triangle] != 0; }
     [[nodiscard]] const Mesh &mesh() const { return subdivision ? subdivision->mesh : *object->mesh; }
 };
 

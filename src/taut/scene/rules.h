@@ -28,6 +28,5 @@ std::optional<Mistake> mistakeInRange(const DeformerKeys &keys);
 /// The two axes of bend.
 std::optional<Mistake> mistakeInBend(const DeformerKeys &keys);
 std::optional<Mistake> mistakeInLatticeBox(const DeformerKeys &keys);
-std::optional<Mistake> mistakeInScale(const Placement &placement);
 
 } // namespace taut

@@ -14,8 +14,11 @@ DMat3 axesLookingAt(const DVec3 &position, const DVec3 &lookAt, const DVec3 &up)
     const double distance = glm::length(back);
     const DVec3 z = distance > 0 ? back / distance : DVec3(0, 0, 1);
     DVec3 x = glm::cross(up, z);
-    // The view may pass through the up direction between two keys; the least aligned axis stands in for up there.
-    if (!(glm::length(x) > 1e-9 * glm::length(up))) x = glm::cross(std::fabs(z.x) < 0.7 ? DVec3(1, 0, 0) : DVec3(0, 1, 0), z);
+    // Straight up or down the right stays where it is while a camera tilts there: along x, for z up and for y up.
+    if (!(glm::length(x) > 1e-9 * glm::length(up))) {
+        const DVec3 right = std::fabs(z.x) < 0.7 ? DVec3(1, 0, 0) : DVec3(0, 1, 0);
+        x = right - z * glm::dot(right, z);
+    }
     x = glm::normalize(x);
     return {x, glm::cross(z, x), z};
 }
