@@ -45,12 +45,11 @@ struct Loaded {
     }
     [[nodiscard]] const Rig &rig() const { return *scene.objects.front().rig->rig; }
 
-    /// Objects of one node: its primitives, in order.
-    [[nodiscard]] std::vector<const Object *> objectsOf(const std::string &node) const {
-        std::vector<const Object *> found;
+    /// The object of a node.
+    [[nodiscard]] const Object &objectOf(const std::string &node) const {
         for (const Object &object : scene.objects)
-            if (rig().nodes[object.rig->node].name == node) found.push_back(&object);
-        return found;
+            if (rig().nodes[object.rig->node].name == node) return object;
+        throw std::logic_error("no object of node " + node);
     }
 
     /// Positions in the file's space, y up.
@@ -68,6 +67,28 @@ struct Loaded {
 /// The name of a node, else the one that the reader gives it.
 std::string nameOf(const GltfReference &reference, int node) {
     return reference.nodes()[static_cast<std::size_t>(node)].value("name", "node" + std::to_string(node));
+}
+
+/// Positions of a node's mesh: of the vertices that faces use, primitive by primitive, shared ones once.
+std::vector<DVec3> usedPositions(const GltfReference &reference, int node, int animation, double seconds) {
+    const auto &primitives = reference.primitives(node);
+    std::vector<DVec3> out;
+    for (std::size_t p = 0; p < primitives.size(); ++p) {
+        const auto shares = [&](std::size_t other) { return primitives[other]["attributes"] == primitives[p]["attributes"]; };
+        bool isFirst = true;
+        for (std::size_t earlier = 0; earlier < p; ++earlier) isFirst &= !shares(earlier);
+        if (!isFirst) continue;
+        std::vector<bool> used = reference.usedVertices(primitives[p]);
+        for (std::size_t later = p + 1; later < primitives.size(); ++later) {
+            if (!shares(later)) continue;
+            const std::vector<bool> too = reference.usedVertices(primitives[later]);
+            for (std::size_t v = 0; v < used.size(); ++v) used[v] = used[v] || too[v];
+        }
+        const std::vector<DVec3> all = reference.positions(node, primitives[p], animation, seconds);
+        for (std::size_t v = 0; v < all.size(); ++v)
+            if (used[v]) out.push_back(all[v]);
+    }
+    return out;
 }
 
 /// Times at which every rotation of the clip stands on a key or does not turn: there Blender and glTF agree.
@@ -98,16 +119,16 @@ std::vector<double> spread(const std::vector<double> &times, std::size_t count) 
     return chosen;
 }
 
-/// Largest errors of one primitive over the times, and how far it moves.
-struct PrimitiveErrors {
+/// Largest errors of one mesh over the times, and how far it moves.
+struct MeshErrors {
     std::size_t vertices = 0;
     double largest = 0;
     double farthest = 0;
 };
-PrimitiveErrors comparePrimitive(const Loaded &loaded, const Object &ours, const std::function<std::vector<DVec3>(double)> &expectedAt,
-                                 double duration) {
+MeshErrors compareMesh(const Loaded &loaded, const Object &ours, const std::function<std::vector<DVec3>(double)> &expectedAt,
+                       double duration) {
     const std::vector<DVec3> start = expectedAt(0);
-    PrimitiveErrors errors{start.size(), 0, 0};
+    MeshErrors errors{start.size(), 0, 0};
     for (const double share : kShares) {
         const double seconds = share * duration;
         const std::vector<DVec3> expected = expectedAt(seconds);
@@ -129,17 +150,13 @@ void compareWithReference(const std::string &path) {
     double farthest = 0;
     std::size_t vertices = 0;
     for (const int node : reference.meshNodes()) {
-        const std::vector<const Object *> ours = loaded.objectsOf(nameOf(reference, node));
-        const auto &primitives = reference.primitives(node);
-        REQUIRE(ours.size() == primitives.size());
-        for (std::size_t i = 0; i < ours.size(); ++i) {
-            INFO(path << ", " << nameOf(reference, node));
-            const auto expectedAt = [&](double seconds) { return reference.positions(node, primitives[i], 0, seconds); };
-            const PrimitiveErrors errors = comparePrimitive(loaded, *ours[i], expectedAt, duration);
-            vertices += errors.vertices;
-            largest = std::max(largest, errors.largest);
-            farthest = std::max(farthest, errors.farthest);
-        }
+        const Object &ours = loaded.objectOf(nameOf(reference, node));
+        INFO(path << ", " << nameOf(reference, node));
+        const auto expectedAt = [&](double seconds) { return usedPositions(reference, node, 0, seconds); };
+        const MeshErrors errors = compareMesh(loaded, ours, expectedAt, duration);
+        vertices += errors.vertices;
+        largest = std::max(largest, errors.largest);
+        farthest = std::max(farthest, errors.farthest);
     }
     CHECK(farthest > 1e-3); // it did move
     std::cout << fs::path(path).filename().string() << " against the specification in double: " << vertices << " vertices at "
@@ -184,18 +201,8 @@ void compareWithBlender(const std::string &path, const std::string &clipName) {
             std::find_if(blender["objects"].begin(), blender["objects"].end(), [&](const auto &object) { return object["name"] == name; });
         REQUIRE((nodes.size() == 1 || match != blender["objects"].end()));
         const auto &object = nodes.size() == 1 ? blender["objects"][0] : *match;
-        const std::vector<const Object *> ours = loaded.objectsOf(name);
-        const auto &primitives = reference.primitives(node);
-        REQUIRE(ours.size() == primitives.size());
         for (std::size_t t = 0; t < times.size(); ++t) {
-            std::vector<DVec3> points;
-            for (std::size_t i = 0; i < ours.size(); ++i) {
-                const std::vector<DVec3> all = loaded.positions(*ours[i], times[t]);
-                const std::vector<bool> used = reference.usedVertices(primitives[i]);
-                REQUIRE(all.size() == used.size());
-                for (std::size_t v = 0; v < all.size(); ++v)
-                    if (used[v]) points.push_back(all[v]);
-            }
+            const std::vector<DVec3> points = loaded.positions(loaded.objectOf(name), times[t]);
             std::vector<DVec3> theirs;
             for (const auto &p : object["times"][t]) theirs.emplace_back(p[0], p[1], p[2]);
             const double error = relativeError(points, theirs);

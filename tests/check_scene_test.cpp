@@ -68,7 +68,7 @@ Scene soundScene() {
     scene.objects[2].subdivision.level = 2;
     scene.objects[2].gradient = GradientEstimator::Limit;
     scene.materials[0].name = "foil";
-    scene.textures.push_back({"grey", 2, 1, 1, true, true, {0.25F, 0.5F}});
+    scene.textures.push_back({"grey", 2, 1, 1, {0.25F, 0.5F}, {}});
     scene.materials[0].rotation = {3, 0, 0};
     for (const LightShape &shape :
          {LightShape(SphereLight()), LightShape(DirectionalLight()), LightShape(PointLight()), LightShape(SpotLight())}) {
@@ -136,7 +136,10 @@ const std::vector<Wrong> kWrongViews{
     {[](Scene &s) { s.environment->guide.clear(); }, "environment.table: found no tables for sampling"},
     {[](Scene &s) { s.textures[0].channels = 2; }, "textures[0] 'grey'.channels: found 2, expected 1, 3 or 4"},
     {[](Scene &s) { s.textures[0].height = 2; }, "textures[0] 'grey'.texels: found 2 elements, expected 4"},
-    {[](Scene &s) { s.textures[0].texels[1] = kNan; }, "textures[0] 'grey'.texels: found a value that is not finite in element 1"},
+    {[](Scene &s) {
+         s.textures[0].texels = {0.25F, kNan};
+     },
+     "textures[0] 'grey'.texels: found a value that is not finite in element 1"},
 };
 
 const std::vector<Wrong> kWrongMaterials{

@@ -172,6 +172,7 @@ TEST_CASE("a black environment samples as a constant", "[environment]") {
 }
 
 TEST_CASE("environment map directions", "[environment]") {
+    Warnings warnings;
     const std::string folder = outputFolder("environment");
     std::vector<float> texels(8 * 4 * 3, 0.0F);
     const auto set = [&](int x, int y, float value) { texels[static_cast<std::size_t>((y * 8 + x) * 3)] = value; };
@@ -183,41 +184,61 @@ TEST_CASE("environment map directions", "[environment]") {
     const std::string path = writeImage(folder, "directions.exr", 8, 4, 3, texels, OIIO::TypeDesc::FLOAT);
     const float z = std::cos(kPi * 1.5F / 4); // the second row's centre
     const float r = std::sqrt(1 - z * z);
-    const Environment e = readEnvironment(path, 0, Vec3(1));
+    const Environment e = readEnvironment(path, 0, Vec3(1), warnings);
     CHECK(lookUpEnvironment(e, {r, 0, z}).radiance.x == Approx(4));
     CHECK(lookUpEnvironment(e, {0, r, z}).radiance.x == Approx(5));
     CHECK(lookUpEnvironment(e, {-r, 0, z}).radiance.x == Approx(0).margin(1e-5));
     CHECK(lookUpEnvironment(e, {0, 0, 1}).radiance.x == Approx(7));
     CHECK(lookUpEnvironment(e, {0, 0, -1}).radiance.x == Approx(0));
     // Turned a quarter about z: what was seen along +x is seen along +y.
-    const Environment turned = readEnvironment(path, radians(90), Vec3(2, 1, 1));
+    const Environment turned = readEnvironment(path, radians(90), Vec3(2, 1, 1), warnings);
     CHECK(lookUpEnvironment(turned, {0, r, z}).radiance.x == Approx(8));
     CHECK(lookUpEnvironment(turned, {-r, 0, z}).radiance.x == Approx(10));
 }
 
-TEST_CASE("environment files that can't be radiance", "[environment][malformed]") {
+TEST_CASE("Single texels that are no radiance are held and counted", "[environment]") {
+    Warnings warnings;
     const std::string folder = outputFolder("environment");
     std::vector<float> texels(4 * 2 * 3, 1.0F);
     texels[3 * (4 + 2) + 1] = -1;
     const std::string negative = writeImage(folder, "negative.exr", 4, 2, 3, texels, OIIO::TypeDesc::FLOAT);
-    CHECK(says(errorOf([&] { readEnvironment(negative, 0, Vec3(1)); }), "negative.exr: found a negative radiance", {"column 2, row 1"}));
+    CHECK(readEnvironment(negative, 0, Vec3(1), warnings).texels[6] == Vec3(1, 0, 1));
+    REQUIRE(warnings.lines.size() == 1);
+    CHECK(says(warnings.lines[0], "negative.exr: of 8 texels: 1 negative, held at 0", {"column 2, row 1"}));
     texels[3 * (4 + 2) + 1] = NAN;
     const std::string nan = writeImage(folder, "nan.exr", 4, 2, 3, texels, OIIO::TypeDesc::FLOAT);
-    CHECK(says(errorOf([&] { readEnvironment(nan, 0, Vec3(1)); }), "nan.exr: found a value that is not finite", {"column 2, row 1"}));
+    CHECK(readEnvironment(nan, 0, Vec3(1), warnings).texels[6] == Vec3(1, 0, 1));
+    REQUIRE(warnings.lines.size() == 2);
+    CHECK(says(warnings.lines[1], "nan.exr: of 8 texels: 1 not a number, held at 0", {"column 2, row 1"}));
+    texels[3 * (4 + 2) + 1] = INFINITY;
+    texels[0] = 9;
+    texels[5] = -1;
+    const std::string both = writeImage(folder, "both.exr", 4, 2, 3, texels, OIIO::TypeDesc::FLOAT);
+    const Environment held = readEnvironment(both, 0, Vec3(2), warnings);
+    CHECK(held.texels[6] == Vec3(2, 18, 2));
+    CHECK(held.texels[1] == Vec3(2, 2, 0));
+    REQUIRE(warnings.lines.size() == 3);
+    CHECK(says(warnings.lines[2], "both.exr: of 8 texels: 1 infinite, held at 9, 1 negative, held at 0", {"column 1, row 0"}));
+    texels[8] = texels[11] = NAN; // with those, more than a quarter
+    const std::string many = writeImage(folder, "many.exr", 4, 2, 3, texels, OIIO::TypeDesc::FLOAT);
+    CHECK(says(errorOf([&] { readEnvironment(many, 0, Vec3(1), warnings); }), "many.exr: found 4 of 8 texels", {"at most a quarter"}));
+    texels = std::vector<float>(4 * 2 * 3, 1.0F);
     texels[3 * (4 + 2) + 1] = 1e30F;
     const std::string large = writeImage(folder, "large.exr", 4, 2, 3, texels, OIIO::TypeDesc::FLOAT);
-    CHECK(says(errorOf([&] { readEnvironment(large, 0, Vec3(1e20F)); }), "large.exr: found a radiance that is not finite when scaled", {}));
-    CHECK(says(errorOf([&] { readEnvironment(folder + "/none.exr", 0, Vec3(1)); }), "none.exr", {}));
+    CHECK(says(errorOf([&] { readEnvironment(large, 0, Vec3(1e20F), warnings); }),
+               "large.exr: found a radiance that is not finite when scaled", {}));
+    CHECK(says(errorOf([&] { readEnvironment(folder + "/none.exr", 0, Vec3(1), warnings); }), "none.exr", {}));
 }
 
 TEST_CASE("a Radiance HDR file is read", "[environment]") {
+    Warnings warnings;
     const std::string folder = outputFolder("environment");
     const std::string path = writeImage(folder, "half.hdr", 16, 8, 3, std::vector<float>(16 * 8 * 3, 0.5F), OIIO::TypeDesc::FLOAT);
-    const Environment e = readEnvironment(path, 0, Vec3(1));
+    const Environment e = readEnvironment(path, 0, Vec3(1), warnings);
     CHECK(e.width == 16);
     CHECK(e.mean.y == Approx(0.5).epsilon(0.01));
     if (const auto real = asset("hdr/studio_small_03_1k.hdr")) {
-        const Environment studio = readEnvironment(*real, 0, Vec3(1));
+        const Environment studio = readEnvironment(*real, 0, Vec3(1), warnings);
         CHECK(studio.width == 1024);
         CHECK(maxComponent(studio.mean) > 0);
     }

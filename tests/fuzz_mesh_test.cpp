@@ -16,11 +16,26 @@ struct Sample {
     bool text;
 };
 
+std::string withCarriageReturns(std::string text) {
+    std::replace(text.begin(), text.end(), '\n', '\r');
+    return "\xef\xbb\xbf" + text;
+}
+
+/// Texture coordinates of corners, triangle strips, and lines that hold what they like.
+std::string plyWedgeSample() {
+    return "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+           "element face 2\nproperty list uchar int vertex_indices\nproperty list uchar float texcoord\n"
+           "element tristrips 1\nproperty list int int vertex_indices\nend_header\n"
+           "0 0 0 1 0 0\n1 1 0\n0 1\n0\n3 0 1 2 6 0 0.5 1 0 1 1\n4 0 1 2 3 8 0 0 1 0 1 1 0 1\n7 0 1 3 2 -1 1 2\n";
+}
+
 std::vector<Sample> samples() {
     return {{"fuzz.obj", objSample(), true},
             {"fuzz.ply", plyAsciiSample(), true},
             {"fuzz_b.ply", plyBinarySample(false), false},
             {"fuzz_m.ply", plyBinarySample(true), false},
+            {"fuzz_w.ply", plyWedgeSample(), true},
+            {"fuzz_cr.obj", withCarriageReturns(objSample()), true},
             {"fuzz.off", offSample(), true},
             {"fuzz.stl", stlAsciiSample(), true},
             {"fuzz_b.stl", stlBinarySample(), false},
@@ -29,13 +44,13 @@ std::vector<Sample> samples() {
 }
 
 /// How many of the changed files loaded and how many said what is wrong with them.
-struct Tally {
+struct LoadTally {
     std::size_t loaded = 0;
     std::size_t rejected = 0;
 };
 
 /// Loads, or says what is wrong on one line: anything else fails the test (or stops it, under a sanitizer).
-void mustLoadOrSay(const std::string &name, const std::string &bytes, Tally &tally) {
+void mustLoadOrSay(const std::string &name, const std::string &bytes, LoadTally &tally) {
     std::string failure;
     try {
         const std::string error = errorOf(name, bytes);
@@ -64,7 +79,7 @@ TEST_CASE("The samples themselves load", "[mesh][malformed]") {
 
 TEST_CASE("A file cut anywhere loads or says why not", "[mesh][malformed][fuzz]") {
     for (const Sample &sample : samples()) {
-        Tally tally;
+        LoadTally tally;
         const std::size_t step = std::max<std::size_t>(1, sample.bytes.size() / 400);
         for (std::size_t length = 0; length < sample.bytes.size(); length += step) {
             std::string cut = sample.bytes.substr(0, length);
@@ -82,7 +97,7 @@ TEST_CASE("A file cut anywhere loads or says why not", "[mesh][malformed][fuzz]"
 TEST_CASE("A file with flipped bits loads or says why not", "[mesh][malformed][fuzz]") {
     std::mt19937 random(20240229);
     for (const Sample &sample : samples()) {
-        Tally tally;
+        LoadTally tally;
         for (int i = 0; i < 400; ++i) {
             std::string bytes = sample.bytes;
             for (std::size_t flips = 1 + random() % 4; flips > 0; --flips)
@@ -100,7 +115,7 @@ TEST_CASE("A text with other numbers loads or says why not", "[mesh][malformed][
     std::mt19937 random(20240301);
     for (const Sample &sample : samples()) {
         if (!sample.text && sample.name != "fuzz.glb") continue;
-        Tally tally;
+        LoadTally tally;
         for (int i = 0; i < 500; ++i) {
             std::string bytes = sample.bytes;
             // The buffer's base64 in the .gltf is full of digits, too: those are data.
@@ -124,7 +139,7 @@ TEST_CASE("A binary file with other words loads or says why not", "[mesh][malfor
     std::mt19937 random(20240302);
     for (const Sample &sample : samples()) {
         if (sample.text) continue;
-        Tally tally;
+        LoadTally tally;
         for (int i = 0; i < 400; ++i) {
             std::string bytes = sample.bytes;
             const std::uint32_t word = kWords[random() % std::size(kWords)];
@@ -154,7 +169,7 @@ TEST_CASE("A glTF with members of other types and values loads or says why not",
                                      nlohmann::json::object(),
                                      {{"index", 0}}};
     std::mt19937 random(20240303);
-    Tally tally;
+    LoadTally tally;
     for (int i = 0; i < 2500; ++i) {
         GltfBuilder b = gltfSample();
         for (std::size_t changes = 1 + random() % 2; changes > 0; --changes) {

@@ -46,8 +46,6 @@ TEST_CASE("Malformed OBJ", "[mesh][malformed][obj]") {
                               {"v 0 0 0 red\n", ":1:9: ", {"'red'"}},
                               {"vt\n", ":1:3: ", {"the end of the line"}},
                               {"vn 0 0 1 1\n", ":1:10: ", {"'1'", "the end of the line"}},
-                              {kTriangle + "vq 1 2\n", ":4:1: ", {"'vq'", "did you mean 'v"}},
-                              {kTriangle + "usemlt a\n", ":4:1: ", {"'usemlt'", "did you mean 'usemtl'?"}},
                               {kTriangle + "f 1 2\n", ":4:6: ", {"a face of 2 corners", "at least 3"}},
                               {kTriangle + "f 1 2 0\n", ":4:7: ", {"index '0'", "1 to 3 or -3 to -1"}},
                               {kTriangle + "f 1 2 4\nv 0 0 0 # too late? no: read after\nf 1 2 9\n",
@@ -163,7 +161,8 @@ TEST_CASE("Malformed STL", "[mesh][malformed][stl]") {
                               {"", ": byte 0: ", {"the end of the file", "84 bytes"}},
                               {"soild x\n", ": byte 8: ", {"'solid'"}},
                               {headless.substr(0, headless.size() - 1), ": byte 80: ", {"4 triangles in a file of 283 bytes", "284 bytes"}},
-                              {headless + "x", ": byte 80: ", {"4 triangles in a file of 285 bytes"}},
+                              {headless.substr(0, 100), ": byte 80: ", {"4 triangles in a file of 100 bytes"}},
+                              {ascii + "  facet normal 0 0 1 vertex", ":", {"'facet'", "'solid'"}},
                               {std::string(headless).replace(80, 4, "\xff\xff\xff\xff"), ": byte 80: ", {"4294967295 triangles"}},
                               {poked(84 + 12 + 4, std::string("\0\0\x80\x7f", 4)), ": byte 100: ", {"not finite"}},
                               {replaced(ascii, "  facet normal nan", "  faset normal nan"), ":2:3: ", {"'faset'", "'facet'"}},
@@ -233,7 +232,7 @@ TEST_CASE("Malformed glTF JSON text", "[mesh][malformed][gltf]") {
                    {asset + R"("buffers": [{"byteLength": 4, "uri": "data:application/octet-stream;base64,AAA="}]})",
                     ": buffers[0].byteLength: ",
                     {"4", "at most 2"}},
-                   {asset + R"("buffers": [{"byteLength": 4, "uri": "data:text/html,hello"}]})", ": buffers[0].uri: ", {"base64"}},
+                   {asset + R"("buffers": [{"byteLength": 4, "uri": "data:text/html,"}]})", ": buffers[0].uri: ", {"base64"}},
                    {asset + "\"extras\": " + std::string(100000, '[') + std::string(100000, ']') + "}", ": the JSON: ", {"nested deeper"}},
                });
 }
@@ -342,7 +341,7 @@ TEST_CASE("Malformed glTF content", "[mesh][malformed][gltf]") {
         {[](Json &j) { j["animations"][0]["samplers"][0].erase("output"); }, ": animations[0].samplers[0]: ", {"no member 'output'"}},
         {[](Json &j) { j["materials"][0]["pbrMetallicRoughness"]["roughnessFactor"] = 1.5; },
          ": materials[0].pbrMetallicRoughness.roughnessFactor: ",
-         {"1.5", "0.0"}},
+         {"found 1.5, expected 0 to 1"}},
         {[](Json &j) {
              j["materials"][0]["emissiveFactor"] = {1, 1};
          },
@@ -367,7 +366,7 @@ TEST_CASE("Malformed glTF content", "[mesh][malformed][gltf]") {
         {[](Json &j) { j["extensions"]["KHR_lights_punctual"]["lights"][0].erase("spot"); },
          ": extensions.KHR_lights_punctual.lights[0]: ",
          {"no member 'spot'"}},
-        {[](Json &j) { j["cameras"][0]["perspective"]["yfov"] = 4; }, ": cameras[0].perspective.yfov: ", {"4.0"}},
+        {[](Json &j) { j["cameras"][0]["perspective"]["yfov"] = 4; }, ": cameras[0].perspective.yfov: ", {"found 4, "}},
         {[](Json &j) { j["extensions"]["KHR_lights_punctual"]["lights"][0]["type"] = "sport"; },
          ": extensions.KHR_lights_punctual.lights[0].type: ",
          {"did you mean 'spot'?"}},

@@ -296,8 +296,9 @@ inline void requireValid(const Mesh &mesh) {
     require(!mesh.faceOffsets.empty() && mesh.faceOffsets.front() == 0 && mesh.faceOffsets.back() == corners, "face offsets");
     for (std::size_t f = 0; f < mesh.faceCount(); ++f) require(mesh.faceOffsets[f + 1] >= mesh.faceOffsets[f] + 3, "face size");
     require(below(mesh.cornerPositions, mesh.positions.size(), false), "corner positions");
-    for (const auto &[indices, count] : {std::pair(&mesh.cornerNormals, mesh.normals.size()), std::pair(&mesh.cornerUvs, mesh.uvs.size()),
-                                         std::pair(&mesh.cornerTangents, mesh.tangents.size())}) {
+    for (const auto &[indices, count] :
+         {std::pair(&mesh.cornerNormals, mesh.normals.size()), std::pair(&mesh.cornerUvs, mesh.uvs.size()),
+          std::pair(&mesh.cornerTangents, mesh.tangents.size()), std::pair(&mesh.cornerColors, mesh.colors.size())}) {
         require(indices->empty() || indices->size() == corners, "corner attribute count");
         require(below(*indices, count, true), "corner attribute index");
     }

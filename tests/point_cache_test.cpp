@@ -165,15 +165,16 @@ TEST_CASE("point caches: every cut of a file is refused, nothing crashes on flip
 }
 
 TEST_CASE("point caches: a writer that is not finished leaves nothing", "[point_cache]") {
-    const std::string path = outputFolder("point_cache") + "/unfinished.pc2";
-    fs::remove(path);
+    const std::string folder = outputFolder("point_cache_unfinished");
+    const std::string path = folder + "/unfinished.pc2";
     {
         PointCacheWriter writer(path, pc2Info());
         writer.write(pointsOfSample(5, 0));
+        CHECK_FALSE(fs::is_empty(folder));
+        CHECK_FALSE(fs::exists(path));
         CHECK_THROWS_AS(writer.write(pointsOfSample(4, 0)), RunError);
         CHECK_THROWS_AS(writer.finish(), RunError);
     }
-    CHECK_FALSE(fs::exists(path));
-    CHECK_FALSE(fs::exists(path + ".partial"));
+    CHECK(fs::is_empty(folder));
     CHECK_THROWS_AS(PointCacheWriter("/proc/nowhere/a.pc2", pc2Info()), RunError);
 }

@@ -52,7 +52,7 @@ TEST_CASE("Textured alpha, rotation and colour are what their texels say", "[ren
     Texture half;
     half.width = half.height = 2;
     half.channels = 1;
-    half.texels.assign(4, 0.5F);
+    half.texels = {0.5F, 0.5F, 0.5F, 0.5F};
     textured.textures = {half};
     Material &material = textured.materials[0];
     material.alphaX = {0.2F, 0, 0};

@@ -9,6 +9,8 @@
 
 #include <catch2/catch.hpp>
 
+#include <numeric>
+
 using namespace taut;
 using namespace taut::test;
 
@@ -121,7 +123,7 @@ TEST_CASE("Rigid is what the matrices say over the frames, not the kind of chann
     CHECK(rigid({scaled({-1, 1, 1}), scaled({1, 1, 1})}, {turning(1, z, 2)}));                  // a mirror is no stretch
     CHECK(rigid({scaled({2, 1, 1})}, {scaling(0, {3, 1, 1}, {3, 1, 1})}));                      // a scale channel that holds still
     CHECK_FALSE(rigid({scaled({2, 1, 1}), scaled({1, 1, 1})}, {turning(1, z, 2)}));
-    CHECK_FALSE(rigid({scaled({2, 1, 1}), scaled({1, 1, 1})}, {turning(1, z, 6.2831853F)})); // the same at both keys, not between
+    CHECK_FALSE(rigid({scaled({2, 1, 1}), scaled({1, 1, 1})}, {turning(1, z, 3.1415927F)})); // the same at both keys, not between
     CHECK_FALSE(rigid({scaled({2, 1, 1}), scaled({1, 1, 1}), scaled({1, 1, 1})}, {turning(1, z, 1)}));
     CHECK_FALSE(rigid({scaled({1, 1, 1})}, {scaling(0, {1, 1, 1}, {2, 2, 2})}));
     Node sheared;
@@ -147,7 +149,7 @@ TEST_CASE("A placement that turns over between two frames is no instance", "[res
 }
 
 TEST_CASE("An instance and a deformed mesh agree about what a rotation under a scale looks like", "[rest][placement][render]") {
-    // The same surface as a rotation under diag(2, 1, 1) and as the stretched mesh's own positions with fitted gradients.
+    // One surface, moved by a rotation under diag(2, 1, 1) and by the stretched mesh's own positions with fitted gradients.
     Object carried = chained(makeGrid(6, 6, 1), {scaled(DVec3(2, 1, 1)), scaled(DVec3(1))}, {turning(1, Vec3(0, 0, 1), 1)});
     const Scene scene = sceneOf(carried);
     Object fitted = carried;
@@ -216,7 +218,7 @@ TEST_CASE("Placements of any scale give a picture", "[rest][placement][collapse]
 }
 
 TEST_CASE("A scene a million million times as large is the same picture", "[rest][placement][render]") {
-    const double factor = GENERATE(1e-5, 1e9, 1e12);
+    const double factor = GENERATE(3.0, 1e-5, 1e9, 1e12);
     Scene near = smallScene(makeObject(makeSphere(24, 12, 1)), ggxMaterial(0.25F, 0.4F), 24);
     near.lights.clear();
     near.environment = constantEnvironment(Vec3(0.7F));
@@ -233,7 +235,9 @@ TEST_CASE("A scene a million million times as large is the same picture", "[rest
     const std::vector<float> a = renderImage(near, 1, 16);
     const std::vector<float> b = renderImage(far, 1, 16);
     INFO("factor " << factor << ", smooth " << smooth);
-    CHECK(shareOver(a, b, 1e-3F) < 0.01); // paths at the outline
+    // Rounding turns single paths over, at the outline most: by a factor of 3, which strains nothing, in 1.3 % of the values.
+    CHECK(shareOver(a, b, 1e-3F) < 0.05);
+    CHECK(std::accumulate(b.begin(), b.end(), 0.0) == Approx(std::accumulate(a.begin(), a.end(), 0.0)).epsilon(1e-3));
 }
 
 TEST_CASE("A flat placement keeps the gloss of what stays flat in it", "[rest][placement]") {

@@ -254,7 +254,7 @@ rotation_deg = { file = "brushed.png", scale = 180 }
     CHECK(a.color.texture != a.alphaX.texture);    // a colour is decoded from sRGB, a number is not
     CHECK(lookup(scene.textures.at(a.color.texture), {0.25F, 0.75F}).z == Approx(0.2158605).epsilon(1e-3));
     CHECK(lookup(scene.textures.at(a.alphaX.texture), {0.25F, 0.75F}).z == Approx(128 / 255.0));
-    CHECK(!scene.textures.at(b.color.texture).repeatU);
+    CHECK(scene.textures.at(b.color.texture).sampler.wrapU == TextureWrap::Clamp);
     CHECK(b.alphaX.texture == b.alphaY.texture);
     CHECK(b.rotation.value == Approx(radians(180)));
     CHECK(scene.textures.size() == 3);

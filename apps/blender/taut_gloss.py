@@ -37,8 +37,8 @@ PATTERN = "taut_pattern"  # custom property of an imported object: path with ###
 
 
 def path_of_frame(pattern, frame):
-    """The last run of # becomes the zero-padded frame number."""
-    runs = list(re.finditer("#+", pattern))
+    """The last run of # in the file's own name becomes the zero-padded frame number."""
+    runs = list(re.finditer("#+(?=[^/]*$)", pattern))
     if not runs:
         return pattern
     run = runs[-1]
@@ -254,7 +254,7 @@ def show_frame(scene, *_):
     """Handler: brings every imported object to the scene's frame, where there is a file for it."""
     for item in scene.objects:
         pattern = item.get(PATTERN)
-        if not pattern or "#" not in pattern:
+        if not pattern or "#" not in os.path.basename(pattern):
             continue
         path = path_of_frame(pattern, scene.frame_current)
         if os.path.exists(path):

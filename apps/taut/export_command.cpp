@@ -1,15 +1,17 @@
 /// taut export: scene -> deformed surfaces -> M at every vertex -> files that other tools read, frame by frame.
 
 #include "commands.h"
+#include "json_text.h"
+#include "part_names.h"
 #include "progress.h"
 #include "scene_arguments.h"
 
 #include "taut/base/frame_set.h"
 #include "taut/base/stopwatch.h"
-#include "taut/formats/point_cache.h"
+#include "taut/export/gloss_export.h"
 #include "taut/export/usda_writer.h"
 #include "taut/export/write_gloss.h"
-#include "taut/export/gloss_export.h"
+#include "taut/formats/point_cache.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -19,6 +21,7 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <unordered_set>
 
 namespace taut::app {
 
@@ -70,6 +73,7 @@ const FormatInfo &formatOf(const std::string &path) {
 struct Output {
     std::string pattern;
     FormatInfo info;
+    std::vector<std::string> parts;                        ///< [objects] what their files are told apart by; empty: nothing
     std::vector<std::unique_ptr<PointCacheWriter>> caches; ///< [objects]
     std::unique_ptr<UsdaWriter> usda;                      ///< of all frames
 };
@@ -90,24 +94,28 @@ const ConventionInfo *parseConvention(const std::string &name) {
     failUnknownName({"--convention"}, name, names);
 }
 
-/// Letters, digits, dots, dashes and underscores of an object's name.
-std::string fileName(std::string name) {
-    for (char &c : name)
-        if (!((c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '.' || c == '-')) c = '_';
-    return name;
-}
-
 /// "out/0001.ply" -> "out/0001.body.ply" where the format holds one object and there are several.
-std::string pathOf(const Output &output, int frame, const std::vector<GlossObject> &objects, std::size_t object) {
-    fs::path path = hasFramePattern(output.pattern) ? pathOfFrame(output.pattern, frame) : output.pattern;
-    if (!output.info.manyObjects && objects.size() > 1)
-        path.replace_extension("." + fileName(objects[object].mesh.name) + path.extension().string());
+std::string pathOf(const Output &output, int frame, std::size_t object) {
+    fs::path path = pathOfFrame(output.pattern, frame);
+    if (!output.parts.empty()) path.replace_extension("." + output.parts[object] + path.extension().string());
     return path.string();
 }
 
+/// Names for the files of `objects`, so short that the longest frame number leaves a name that file systems take.
+std::vector<std::string> partsOf(const Output &output, const std::vector<int> &frames, const std::vector<GlossObject> &objects) {
+    constexpr std::size_t kLongestName = 255; // bytes, of common file systems
+    constexpr std::size_t kShortestPart = 16; // of names that are too long already
+    if (output.info.manyObjects || objects.size() < 2) return {};
+    std::size_t longest = 0;
+    for (const int frame : frames) longest = std::max(longest, fs::path(pathOfFrame(output.pattern, frame)).filename().string().size());
+    std::vector<std::string> names;
+    for (const GlossObject &object : objects) names.push_back(object.mesh.name);
+    return partNames(names, longest + 1 + kShortestPart < kLongestName ? kLongestName - longest - 1 : kShortestPart);
+}
+
 /// The path of a file that is about to be written; its folder is made.
-std::string newPathOf(const Output &output, int frame, const std::vector<GlossObject> &objects, std::size_t object) {
-    std::string path = pathOf(output, frame, objects, object);
+std::string newPathOf(const Output &output, int frame, std::size_t object) {
+    std::string path = pathOf(output, frame, object);
     std::error_code ignored; // the writer says what is wrong with a path
     if (const fs::path folder = fs::path(path).parent_path(); !folder.empty()) fs::create_directories(folder, ignored);
     return path;
@@ -120,6 +128,7 @@ class Exporter {
 
   private:
     void checkOutputs();
+    void checkPaths();
     void open(Output &output);
     void write(Output &output, int frame);
     void close(Output &output);
@@ -145,7 +154,7 @@ Exporter::Exporter(const Scene &scene, const ExportArguments &arguments)
     options_.convention = parseConvention(arguments.convention);
     options_.restPositions = oneOfNames("--positions", arguments.positions, {"deformed", "rest"}) == "rest";
     if (oneOfNames("--space", arguments.space, {"world", "object"}) == "object") space_ = PointSpace::Object;
-    for (const std::string &pattern : arguments.outputs) outputs_.push_back({pattern, formatOf(pattern), {}, nullptr});
+    for (const std::string &pattern : arguments.outputs) outputs_.push_back({pattern, formatOf(pattern), {}, {}, nullptr});
     checkOutputs();
 
     std::vector<std::string_view> names;
@@ -160,6 +169,26 @@ Exporter::Exporter(const Scene &scene, const ExportArguments &arguments)
     for (const Object &object : scene.objects)
         if (isChosen(object)) prepareGlossObject(scene, object, objects_.emplace_back());
     if (objects_.empty()) failInput({arguments.scene.scene}, "no mesh", "at least one to export");
+    for (Output &output : outputs_) output.parts = partsOf(output, frames_, objects_);
+    checkPaths();
+}
+
+/// No file is written twice, and none over the scene. Files of one output differ by their frame numbers and parts.
+void Exporter::checkPaths() {
+    std::unordered_set<std::string> taken;
+    for (const Output &output : outputs_) {
+        const bool eachFrame = hasFramePattern(output.pattern);
+        const std::size_t parts = std::max<std::size_t>(1, output.parts.size());
+        for (std::size_t f = 0; f < (eachFrame ? frames_.size() : 1); ++f)
+            for (std::size_t i = 0; i < parts; ++i) {
+                const std::string path = pathOf(output, frames_[f], i);
+                std::error_code ignored;
+                if (fs::equivalent(path, arguments_.scene.scene, ignored))
+                    failInput({"-o"}, quoted(path) + ", which is the scene itself", "another file");
+                if (outputs_.size() > 1 && !taken.insert(fs::absolute(path).lexically_normal().string()).second)
+                    failInput({"-o"}, quoted(path) + " twice", "outputs that do not write over each other");
+            }
+    }
 }
 
 void Exporter::checkOutputs() {
@@ -191,7 +220,7 @@ void Exporter::open(Output &output) {
             info.firstFrame = static_cast<float>(frames_.front());
             info.frameStep = frames_.size() > 1 ? static_cast<float>(frames_[1] - frames_[0]) : 1.0F;
             for (const int frame : frames_) info.seconds.push_back(static_cast<float>((frame - 1) / scene_.render.fps));
-            output.caches.push_back(std::make_unique<PointCacheWriter>(newPathOf(output, 0, objects_, i), std::move(info)));
+            output.caches.push_back(std::make_unique<PointCacheWriter>(newPathOf(output, 0, i), std::move(info)));
         }
 }
 
@@ -222,7 +251,7 @@ void Exporter::write(Output &output, int frame) {
         return;
     case Format::Usda: {
         const MeshesTogether together(objects_);
-        if (!output.usda) output.usda = std::make_unique<UsdaWriter>(newPathOf(output, frame, objects_, 0), together.meshes);
+        if (!output.usda) output.usda = std::make_unique<UsdaWriter>(newPathOf(output, frame, 0), together.meshes);
         output.usda->write(frame, together.meshes);
         if (!hasFramePattern(output.pattern)) return;
         output.usda->finish(together.meshes, scene_.render.fps);
@@ -236,12 +265,12 @@ void Exporter::write(Output &output, int frame) {
             means.push_back(meanGloss(mesh));
             for (const MeanGloss &mean : means.back()) greatestSpread_ = std::fmax(greatestSpread_, mean.spread);
         }
-        clippedMaterials_ += writeGlossGltf(newPathOf(output, frame, objects_, 0), together.meshes, means);
+        clippedMaterials_ += writeGlossGltf(newPathOf(output, frame, 0), together.meshes, means);
         break;
     }
     default:
         for (std::size_t i = 0; i < objects_.size(); ++i) {
-            const std::string path = newPathOf(output, frame, objects_, i);
+            const std::string path = newPathOf(output, frame, i);
             if (output.info.format == Format::Ply) writeGlossPly(path, objects_[i].mesh, arguments_.ascii);
             if (output.info.format == Format::Csv) writeGlossCsv(path, objects_[i].mesh);
             if (output.info.format == Format::Npz) writeGlossNpz(path, objects_[i].mesh);
@@ -249,18 +278,18 @@ void Exporter::write(Output &output, int frame) {
         }
         return;
     }
-    wrote(pathOf(output, frame, objects_, 0));
+    wrote(pathOf(output, frame, 0));
 }
 
 void Exporter::close(Output &output) {
     for (std::size_t i = 0; i < output.caches.size(); ++i) {
         output.caches[i]->finish();
-        wrote(pathOf(output, 0, objects_, i));
+        wrote(pathOf(output, 0, i));
     }
     if (!output.usda) return;
     const MeshesTogether together(objects_);
     output.usda->finish(together.meshes, scene_.render.fps);
-    wrote(pathOf(output, 0, objects_, 0));
+    wrote(pathOf(output, 0, 0));
 }
 
 void Exporter::wrote(const std::string &path) {
@@ -285,7 +314,7 @@ nlohmann::json Exporter::run() {
         if (!onlyCaches)
             for (GlossObject &object : objects_) glossAtFrame(scene_, frame, options_, object);
         for (Output &output : outputs_) write(output, frame);
-        progress.finishFrame(frame, pathOf(outputs_.front(), frame, objects_, 0), watch.lap());
+        progress.finishFrame(frame, pathOf(outputs_.front(), frame, 0), watch.lap());
     }
     for (Output &output : outputs_) close(output);
     return report(total.lap());
@@ -338,7 +367,7 @@ int exportScene(const ExportArguments &arguments) {
             object.planLevel = false;
         }
     const nlohmann::json report = Exporter(scene, arguments).run();
-    if (arguments.json) std::cout << report.dump(2) << std::endl;
+    if (arguments.json) std::cout << jsonText(report, 2) << std::endl;
     return 0;
 }
 

@@ -2,6 +2,7 @@
 
 #include "commands.h"
 #include "false_colour.h"
+#include "json_text.h"
 #include "scene_arguments.h"
 
 #include "taut/base/frame_set.h"
@@ -95,6 +96,13 @@ nlohmann::json toJson(const RenderObject &object, const GradientField &field) {
             {"policies", policies}};
 }
 
+nlohmann::json toJson(const SceneFile &file) {
+    nlohmann::json clips = nlohmann::json::array();
+    for (const auto &[name, seconds] : file.clips) clips.push_back({{"name", name}, {"seconds", seconds}});
+    return {{"path", file.path},         {"clips", clips},          {"cameras", file.cameras}, {"lights", file.lights},
+            {"variants", file.variants}, {"left_out", file.leftOut}};
+}
+
 std::string_view bvhOf(const RenderScene &ready) {
     return ready.refits() ? "refit, rebuilt where its rays would pay for it" : "built anew where something deforms";
 }
@@ -117,8 +125,10 @@ nlohmann::json toJson(const Report &report) {
                           {"predicted_error", plan.predictedError},
                           {"error_in_noise", plan.errorInNoise},
                           {"bvh", bvhOf(report.ready)},
+                          {"files", nlohmann::json::array()},
                           {"materials", nlohmann::json::array()},
                           {"objects", nlohmann::json::array()}};
+    for (const SceneFile &file : scene.files) result["files"].push_back(toJson(file));
     for (std::size_t i = 0; i < scene.materials.size(); ++i) {
         const MultiscatterPlan &planned = plan.materials[i];
         result["materials"].push_back({{"name", scene.materials[i].name},
@@ -161,12 +171,25 @@ void print(const RenderObject &object, const GradientField &field) {
         if (count > 0) fmt::print("    {}: {}\n", name, count);
 }
 
+void print(const SceneFile &file) {
+    fmt::print("{}:\n", file.path);
+    for (const auto &[name, seconds] : file.clips) fmt::print("  clip {}: {:.4g} s\n", quoted(name), seconds);
+    const auto list = [](std::string_view what, const std::vector<std::string> &names) {
+        for (const std::string &name : names) fmt::print("  {} {}\n", what, quoted(name));
+    };
+    list("camera", file.cameras);
+    list("light", file.lights);
+    list("variant", file.variants);
+    if (!file.leftOut.empty()) fmt::print("  used, but not shown: {}\n", file.leftOut);
+}
+
 void print(const Report &report) {
     const Scene &scene = report.scene;
     const RenderSettings &render = scene.render;
     const ScenePlan &plan = report.ready.plan();
     fmt::print("{}: {} x {}, {} spp, {} frames ({} to {})\n", report.arguments.scene.scene, render.width, render.height, render.spp,
                render.frames.size(), render.frames.front(), render.frames.back());
+    for (const SceneFile &file : scene.files) print(file);
     fmt::print("{} materials, {} textures, {} lights{}\n", scene.materials.size(), scene.textures.size(), scene.lights.size(),
                scene.environment ? ", an environment" : "");
     for (std::size_t i = 0; i < scene.materials.size(); ++i) {
@@ -225,7 +248,7 @@ int info(const InfoArguments &arguments) {
     }
     nlohmann::json result = toJson(report);
     if (pictures) result["false_colour"] = writeFalseColours(arguments, ready);
-    std::cout << result.dump(2) << std::endl;
+    std::cout << jsonText(result, 2) << std::endl;
     return 0;
 }
 

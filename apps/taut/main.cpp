@@ -2,8 +2,10 @@
 /// Exit codes: 0 done, 1 failed while running, 2 usage or bad scene.
 
 #include "commands.h"
+#include "interruption.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <exception>
 #include <iostream>
 #include <new>
@@ -57,6 +59,7 @@ void taut::app::printWarnings(const Warnings &warnings) {
 }
 
 int main(int argc, char **argv) {
+    taut::app::endCleanlyWhenStopped();
     CLI::App app("Renders deforming meshes whose gloss follows the deformation.", "taut");
     app.set_version_flag("--version", "taut " TAUT_VERSION);
     app.require_subcommand(0, 1); // none at all is told below, so that an unknown one is named
@@ -75,7 +78,10 @@ int main(int argc, char **argv) {
             throw;
         }
         if (!run) return fail(kBadInput, "found no subcommand (see taut --help)");
-        return run();
+        const int code = run();
+        std::cout.flush();
+        if (!std::cout || std::fflush(stdout) != 0) return fail(kFailed, "standard output could not be written");
+        return code;
     } catch (const CLI::ParseError &error) {
         if (error.get_exit_code() == 0) return app.exit(error); // --help, --version
         // An InputError is one line whatever was typed.

@@ -1,6 +1,7 @@
 /// taut probe: numbers for one microsurface and one view, one JSON object on standard output. Documented in docs/probe.md.
 
 #include "commands.h"
+#include "json_text.h"
 #include "probe_arguments.h"
 
 #include "study/microsurface/micro_geometry.h"
@@ -45,7 +46,7 @@ Json describe(const Bsdf &bsdf, const ProbeArguments &arguments, const Vec3 &wo)
 int print(const Json &result) {
     std::string text;
     bool inside = false; // of an array of numbers, which ends at the next bracket
-    const std::string dump = result.dump(2);
+    const std::string dump = jsonText(result, 2);
     for (std::size_t i = 0; i < dump.size(); ++i) {
         if (dump[i] == '[') inside = dump.find_first_of("{[\"", i + 1) > dump.find(']', i);
         if (dump[i] == ']') inside = false;

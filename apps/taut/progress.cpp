@@ -1,5 +1,7 @@
 #include "progress.h"
 
+#include "json_text.h"
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -51,7 +53,7 @@ void Progress::finishFrame(int frame, const std::string &output, double seconds)
     switch (style_) {
     case ProgressStyle::None: break;
     case ProgressStyle::Json:
-        std::cerr << nlohmann::json{{"event", "frame"}, {"frame", frame}, {"output", output}, {"seconds", seconds}}.dump() << std::endl;
+        std::cerr << jsonText({{"event", "frame"}, {"frame", frame}, {"output", output}, {"seconds", seconds}}, -1) << std::endl;
         break;
     case ProgressStyle::Bar: fmt::print(stderr, "\r{:78}\r", ""); [[fallthrough]];
     case ProgressStyle::Plain: fmt::print(stderr, "frame {} ({}/{}) {:.2f} s -> {}\n", frame, done_, frames_, seconds, output); break;

@@ -1,6 +1,7 @@
 /// taut render: scene -> deformed surfaces -> Embree -> paths -> film -> image files, frame by frame.
 
 #include "commands.h"
+#include "json_text.h"
 #include "progress.h"
 #include "scene_arguments.h"
 
@@ -229,7 +230,7 @@ int render(RenderArguments &arguments) {
     if (arguments.check) {
         if (!arguments.quiet) std::cout << arguments.scene.scene << ": ok, " << frames.size() << " frames" << std::endl;
     } else if (!arguments.stats.empty()) {
-        writeTextFile(arguments.stats, statistics.dump(2) + "\n");
+        writeTextFile(arguments.stats, jsonText(statistics, 2) + "\n");
     }
     return 0;
 }

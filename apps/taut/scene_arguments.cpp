@@ -3,7 +3,10 @@
 #include "commands.h"
 
 #include "taut/base/frame_set.h"
+#include "taut/formats/gltf.h"
 #include "taut/scene/load_scene.h"
+
+#include <algorithm>
 
 namespace taut::app {
 
@@ -11,18 +14,36 @@ void addSceneArguments(CLI::App &command, SceneArguments &arguments) {
     command.add_option("scene", arguments.scene, "Scene TOML, .glb / .gltf, or a mesh (.obj .ply .off .stl)")->required();
     command.add_option("-D,--define", arguments.overrides, "Override a scene key: render.width=320, mesh.0.follow=false")
         ->allow_extra_args(false);
-    command.add_option("--frames", arguments.frames, "Frames: 1-48, 1-5,9, 1-100x5 (default: the scene's)");
+    command.add_option("--frames", arguments.frames,
+                       "Frames: 1-48, 1-5,9, 1-100x5, or clip: the length of the clip (default: the scene's)");
     command.add_option("-t,--threads", arguments.threads, "Threads (default: all)")->check(CLI::Range(1, 1024));
 }
+
+namespace {
+
+/// Of a bare animated file one frame is the default: says that there are more.
+void tellOfClip(const SceneArguments &arguments, const Scene &scene, Warnings &warnings) {
+    const bool asked = !arguments.frames.empty() || std::any_of(arguments.overrides.begin(), arguments.overrides.end(),
+                                                                [](const std::string &o) { return o.rfind("render.frames", 0) == 0; });
+    if (asked || !isGltfPath(arguments.scene)) return;
+    double seconds = 0;
+    for (const Object &object : scene.objects)
+        if (const Clip *clip = object.rig ? clipOf(*object.rig) : nullptr) seconds = std::max(seconds, static_cast<double>(clip->duration));
+    if (seconds > 0)
+        warnings.add(arguments.scene + ": is animated for " + formatNumber(seconds) + " s; this is frame 1 alone (--frames clip: all)");
+}
+
+} // namespace
 
 Scene loadScene(const SceneArguments &arguments, bool quiet) {
     Warnings warnings;
     std::vector<std::string> overrides = arguments.overrides;
     if (!arguments.frames.empty()) {
-        parseFrameSet(arguments.frames, {"--frames"}); // its own error, before the scene's
+        if (arguments.frames != "clip") parseFrameSet(arguments.frames, {"--frames"}); // its own error, before the scene's
         overrides.push_back("render.frames=\"" + arguments.frames + "\"");
     }
     Scene scene = taut::loadScene(arguments.scene, overrides, warnings);
+    tellOfClip(arguments, scene, warnings);
     if (!quiet) printWarnings(warnings);
     return scene;
 }

@@ -171,13 +171,13 @@ class Builder {
 
     /// A render vertex while it is made: dP/du summed over the faces that share it.
     struct VertexSum {
-        Index surface, uv, tangent;
+        Index surface, uv, tangent, color;
         bool mirrored, turned;
         Vec3 dPdu;
     };
 
     void makeRenderVertices() {
-        std::map<std::tuple<Index, Index, Index, bool>, Index> known;
+        std::map<std::tuple<Index, Index, Index, bool, Index>, Index> known;
         std::vector<VertexSum> sums;
         cornerVertex_.resize(mesh_.cornerCount());
         const auto attribute = [](const std::vector<Index> &indices, Index c) { return indices.empty() ? kNone : indices[c]; };
@@ -186,8 +186,10 @@ class Builder {
             const Index tangent = attribute(mesh_.cornerTangents, c.self);
             Vec3 dPdu(0);
             const bool mirrored = uv != kNone && cornerDerivative(face, c, dPdu);
-            const auto [at, isNew] = known.try_emplace({cornerSurface_[c.self], uv, tangent, mirrored}, static_cast<Index>(sums.size()));
-            if (isNew) sums.push_back({cornerSurface_[c.self], uv, tangent, mirrored, isTurned(c.self), Vec3(0)});
+            const Index color = attribute(mesh_.cornerColors, c.self);
+            const auto [at, isNew] =
+                known.try_emplace({cornerSurface_[c.self], uv, tangent, mirrored, color}, static_cast<Index>(sums.size()));
+            if (isNew) sums.push_back({cornerSurface_[c.self], uv, tangent, color, mirrored, isTurned(c.self), Vec3(0)});
             sums[at->second].dPdu += dPdu;
             cornerVertex_[c.self] = at->second;
         });
@@ -197,6 +199,8 @@ class Builder {
             surface_.vertexSurface.push_back(sum.surface);
             if (!mesh_.cornerTangents.empty()) surface_.vertexTangents.push_back(sum.tangent);
             if (hasUvs) surface_.uvs.push_back(sum.uv == kNone ? Vec2(0) : mesh_.uvs[sum.uv]);
+            if (hasUvs && !mesh_.uvs1.empty()) surface_.uvs1.push_back(sum.uv == kNone ? Vec2(0) : mesh_.uvs1[sum.uv]);
+            if (!mesh_.cornerColors.empty()) surface_.colors.push_back(sum.color == kNone ? Vec4(1) : mesh_.colors[sum.color]);
             surface_.frameCoefficients.push_back(restFrame(sum));
             surface_.mirroredVertices += sum.mirrored ? 1 : 0;
             surface_.turnedVertices += sum.turned ? 1 : 0;
@@ -318,16 +322,17 @@ Surface buildSurface(const Mesh &mesh, const SurfaceOptions &options) {
     surface.restFromObject = options.restFromObject;
     for (std::vector<Vec2> *weights : {&surface.stencilWeights, &surface.weightGradients})
         for (Vec2 &w : *weights) w *= std::ldexp(1.0F, -exponent);
+    for (RingFace &face : surface.ringFaces) face.fromEdges *= std::ldexp(1.0F, -exponent);
     return surface;
 }
 
 void compact(Surface &surface, bool fits) {
     if (!fits) keepHinges(surface);
     const auto shrink = [](auto &...arrays) { (arrays.shrink_to_fit(), ...); };
-    shrink(surface.triangles, surface.triangleSlots, surface.vertexSurface, surface.uvs, surface.vertexTangents, surface.frameCoefficients,
-           surface.surfacePosition, surface.normals, surface.stencilOffsets, surface.stencilPositions, surface.stencilWeights,
-           surface.stencilPoints, surface.slope, surface.ringOffsets, surface.ringFaces, surface.ringTilts, surface.weightGradientOffsets,
-           surface.weightGradientJoints, surface.weightGradients, surface.hinges);
+    shrink(surface.triangles, surface.triangleSlots, surface.vertexSurface, surface.uvs, surface.uvs1, surface.colors,
+           surface.vertexTangents, surface.frameCoefficients, surface.surfacePosition, surface.normals, surface.stencilOffsets,
+           surface.stencilPositions, surface.stencilWeights, surface.stencilPoints, surface.slope, surface.ringOffsets, surface.ringFaces,
+           surface.ringTilts, surface.weightGradientOffsets, surface.weightGradientJoints, surface.weightGradients, surface.hinges);
 }
 
 } // namespace taut

@@ -6,7 +6,7 @@
 ///   position        a point of the control mesh
 ///   surface vertex  a position with one rest normal: all faces that meet there smoothly. Gradients are evaluated here, so
 ///                   they do not jump at UV seams; hard edges have a surface vertex on either side.
-///   render vertex   a surface vertex with one UV and one tangent frame; triangles index these.
+///   render vertex   a surface vertex with one UV, one colour and one tangent frame; triangles index these.
 ///
 /// Rest space: object space under the linear part of the object's rest placement (`restFromObject`): what deformation is
 /// measured against (docs/pipeline.md, "The rest state").
@@ -46,6 +46,8 @@ struct Surface {
     std::vector<Index> triangleSlots;    ///< material slot; empty: all 0
     std::vector<Index> vertexSurface;    ///< [render vertices] -> surface vertex
     std::vector<Vec2> uvs;               ///< [render vertices]; empty without UVs
+    std::vector<Vec2> uvs1;              ///< [render vertices] the second set; empty: none
+    std::vector<Vec4> colors;            ///< [render vertices] linear RGBA, 1 where a corner has none; empty without colours
     std::vector<Index> vertexTangents;   ///< [render vertices] -> tangent of the mesh; empty where it has none
     std::vector<Vec4> frameCoefficients; ///< [render vertices]: t0 = x e1 + y e2, b0 = z e1 + w e2
 

@@ -58,6 +58,7 @@ Vec3 collapsedNormal(const Vec3 &f1, const Vec3 &f2, const Vec3 &carried) {
 Vec3 normalOf(const Vec3 &f1, const Vec3 &f2, const Vec3 &carried) {
     const Vec3 n = glm::cross(f1, f2);
     const float length = glm::length(n);
+    if (!std::isfinite(length)) return normalOf(f1 * 0x1p-64F, f2 * 0x1p-64F, carried); // squares of areas have left float
     return isCollapsed(length, f1, f2) ? collapsedNormal(f1, f2, carried) : n / length;
 }
 

@@ -1,12 +1,12 @@
 #include "taut/export/usda_writer.h"
 
+#include "taut/base/distinct_names.h"
 #include "taut/base/error.h"
 #include "taut/export/block_writer.h"
 
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
-#include <set>
 
 namespace taut {
 
@@ -73,15 +73,13 @@ template <class Value, class Sink> void writeIntArray(std::size_t count, const V
 /// Names of prims: letters, digits and underscores, each once.
 std::vector<std::string> primNames(std::span<const GlossMesh> meshes) {
     std::vector<std::string> names;
-    std::set<std::string> taken;
+    DistinctNames unique;
     for (const GlossMesh &mesh : meshes) {
         std::string name = mesh.name.empty() ? "mesh" : mesh.name;
         for (char &c : name)
             if (!((c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'))) c = '_';
         if (name[0] >= '0' && name[0] <= '9') name.insert(0, 1, '_');
-        std::string unique = name;
-        for (int i = 2; !taken.insert(unique).second; ++i) unique = name + "_" + std::to_string(i);
-        names.push_back(unique);
+        names.push_back(unique.add(name));
     }
     return names;
 }
@@ -102,17 +100,12 @@ std::string layerHeader(const std::vector<int> &frames, double fps) {
 
 /// A temporary file that vanishes with its owner.
 struct UsdaWriter::Spool {
-    std::string path;
+    std::string path; ///< of the file that it is for
     std::FILE *file;
-    explicit Spool(std::string name) : path(std::move(name)), file(std::fopen(path.c_str(), "w+b")) {
-        if (file == nullptr) fail();
-    }
+    explicit Spool(std::string name) : path(std::move(name)), file(openSpool(path)) {}
     Spool(const Spool &) = delete;
     Spool &operator=(const Spool &) = delete;
-    ~Spool() {
-        if (file != nullptr) std::fclose(file);
-        std::remove(path.c_str());
-    }
+    ~Spool() { std::fclose(file); }
     [[noreturn]] void fail() const { throw RunError(path + ": could not be written: " + std::strerror(errno)); }
     void write(std::string_view text) const {
         if (std::fwrite(text.data(), 1, text.size(), file) != text.size()) fail();
@@ -130,8 +123,7 @@ UsdaWriter::UsdaWriter(const std::string &path, std::span<const GlossMesh> meshe
     for (std::size_t m = 0; m < meshes.size(); ++m) {
         auto &spools = spools_.emplace_back();
         const std::size_t count = sampledAttributes(meshes[m]).size();
-        for (std::size_t a = 0; a < count; ++a)
-            spools.push_back(std::make_unique<Spool>(path + ".partial." + std::to_string(m) + "." + std::to_string(a)));
+        for (std::size_t a = 0; a < count; ++a) spools.push_back(std::make_unique<Spool>(path));
     }
 }
 

@@ -1,11 +1,13 @@
 /// glTF 2.0 with application attributes: every number of a GlossMesh under a name that starts with _TAUT_.
 
 #include "taut/base/error.h"
+#include "taut/base/utf8.h"
 #include "taut/export/block_writer.h"
 #include "taut/export/write_gloss.h"
 
 #include <nlohmann/json.hpp>
 
+#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <functional>
@@ -110,7 +112,7 @@ struct PrimitiveIndices {
 Json materialOf(const GlossMaterial &material, const MeanGloss &mean, bool &clipped) {
     const ConventionValues khr = toConvention(Convention::Khr, mean.alpha);
     clipped = khr.clipped;
-    Json out{{"name", material.name},
+    Json out{{"name", validUtf8(material.name)},
              {"doubleSided", true},
              {"pbrMetallicRoughness",
               {{"baseColorFactor",
@@ -125,6 +127,19 @@ Json materialOf(const GlossMaterial &material, const MeanGloss &mean, bool &clip
 
 std::string withExtension(const std::string &path, const char *extension) {
     return std::filesystem::path(path).replace_extension(extension).string();
+}
+
+/// RFC 3986, section 2.1: every byte but the unreserved ones, so that a name of any script or none is a URI.
+std::string escapedUri(const std::string &name) {
+    std::string out;
+    for (const char c : name) {
+        const bool unreserved = (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
+                                std::string_view("-._~").find(c) != std::string_view::npos;
+        char escaped[4];
+        std::snprintf(escaped, sizeof escaped, "%%%02X", static_cast<unsigned>(static_cast<unsigned char>(c)));
+        out += unreserved ? std::string(1, c) : escaped;
+    }
+    return out;
 }
 
 void writeChunks(OutputFile &out, const std::vector<Chunk> &chunks) {
@@ -166,9 +181,13 @@ void writeSeparate(const std::string &path, GltfBuilder &builder) {
     const std::string binary = withExtension(path, ".bin");
     OutputFile out(binary);
     writeChunks(out, builder.chunks);
+    builder.json["buffers"][0]["uri"] = escapedUri(std::filesystem::path(binary).filename().string());
+    OutputFile text(path);
+    text.write(builder.json.dump(1) + "\n");
+    out.flush();
+    text.flush();
     out.finish();
-    builder.json["buffers"][0]["uri"] = std::filesystem::path(binary).filename().string();
-    writeFileWhole(path, builder.json.dump(1) + "\n");
+    text.finish();
 }
 
 } // namespace
@@ -201,8 +220,9 @@ std::size_t writeGlossGltf(const std::string &path, std::span<const GlossMesh> m
                                                     });
             list.push_back({{"attributes", attributes}, {"indices", indices}, {"material", json["materials"].size() - 1}, {"mode", 4}});
         }
-        json["meshes"].push_back({{"name", mesh.name}, {"primitives", list}});
-        json["nodes"].push_back({{"name", mesh.name}, {"mesh", json["meshes"].size() - 1}});
+        const std::string name = validUtf8(mesh.name);
+        json["meshes"].push_back({{"name", name}, {"primitives", list}});
+        json["nodes"].push_back({{"name", name}, {"mesh", json["meshes"].size() - 1}});
         json["nodes"][0]["children"].push_back(json["nodes"].size() - 1);
     }
     json["scenes"] = {{{"nodes", {0}}}};

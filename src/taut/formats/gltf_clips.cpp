@@ -56,6 +56,23 @@ Channel readChannel(const GltfSource &source, const GltfValue &gltf, const GltfV
     return channel;
 }
 
+/// The matrix of a node as translation, rotation and scale, so that channels can take the place of one. glTF forbids to animate such a
+/// node, and wants matrices that can be taken apart; files do the one and keep the other.
+void takeApart(Node &node) {
+    if (!node.matrix) return;
+    const DMat4 &m = *node.matrix;
+    DMat3 linear(m);
+    for (int axis = 0; axis < 3; ++axis) node.scale[axis] = glm::length(linear[axis]);
+    if (glm::determinant(linear) < 0) node.scale.x = -node.scale.x;
+    for (int axis = 0; axis < 3; ++axis) {
+        if (node.scale[axis] == 0) return; // flat: it stays a matrix, without motion
+        linear[axis] /= node.scale[axis];
+    }
+    node.rotation = glm::normalize(glm::quat_cast(linear));
+    node.translation = DVec3(m[3]);
+    node.matrix.reset();
+}
+
 } // namespace
 
 void readGltfClips(const GltfSource &source, GltfFile &file, const std::vector<Index> &nodeOf, Warnings &warnings) {
@@ -67,14 +84,21 @@ void readGltfClips(const GltfSource &source, GltfFile &file, const std::vector<I
         Clip clip;
         clip.name = gltf.nameOr("clip", a);
         std::vector<GltfValue> targeted; // glTF asks to leave out what has no target node
-        for (std::size_t c = 0; c < channels.size(); ++c)
-            if (channels[c]["target"].has("node")) targeted.push_back(channels[c]);
-        if (targeted.size() != channels.size())
-            warnings.add(gltf.place() + ": " + std::to_string(channels.size() - targeted.size()) +
-                         " channels without a target node are left out");
+        std::size_t lost = 0;
+        for (std::size_t c = 0; c < channels.size(); ++c) {
+            const GltfValue target = channels[c]["target"];
+            if (target["path"].text() == "pointer") // KHR_animation_pointer
+                file.leftOut.add("animation channel of a pointer");
+            else if (target.has("node"))
+                targeted.push_back(channels[c]);
+            else
+                ++lost;
+        }
+        if (lost != 0) warnings.add(gltf.place() + ": " + std::to_string(lost) + " channels without a target node are left out");
         for (const GltfValue &channel : targeted) {
             clip.channels.push_back(readChannel(source, channel, samplers, nodeOf));
             clip.duration = std::max(clip.duration, clip.channels.back().times.back());
+            if (clip.channels.back().path != ChannelPath::Weights) takeApart(file.rig.nodes[clip.channels.back().node]);
         }
         file.rig.clips.push_back(std::move(clip));
     }

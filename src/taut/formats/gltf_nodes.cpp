@@ -86,16 +86,14 @@ std::vector<Index> largestJoints(const GltfFile &file) {
 
 class NodeReader {
   public:
-    NodeReader(const GltfSource &source, const GltfFile &file, const std::vector<std::vector<Index>> &meshOfPrimitive)
-        : source_(source), file_(file), meshOfPrimitive_(meshOfPrimitive), largestJoints_(largestJoints(file)), skins_(source["skins"]) {}
+    NodeReader(const GltfSource &source, const GltfFile &file, const std::vector<Index> &meshOf)
+        : source_(source), file_(file), meshOf_(meshOf), largestJoints_(largestJoints(file)), skins_(source["skins"]) {}
 
     Node read(const GltfValue &gltf, std::size_t number, GltfNode &attached) const {
         Node node;
         node.name = gltf.nameOr("node", number);
         readTransform(gltf, node);
-        if (gltf.has("mesh"))
-            for (const Index mesh : meshOfPrimitive_[gltf["mesh"].index(meshOfPrimitive_.size(), "meshes")])
-                if (mesh != kNone) attached.meshes.push_back(mesh);
+        if (gltf.has("mesh")) attached.mesh = meshOf_[gltf["mesh"].index(meshOf_.size(), "meshes")];
         readMorphWeights(source_, gltf, node);
         if (gltf.has("camera")) attached.camera = gltf["camera"].index(file_.cameras.size(), "cameras");
         if (gltf.has("skin")) {
@@ -111,18 +109,55 @@ class NodeReader {
     /// Every joint that the meshes of a skinned node name must be one of the skin's.
     void checkJoints(const GltfValue &reference, const GltfValue &skin, const GltfNode &attached) const {
         const std::size_t joints = skin["joints"].size();
-        for (const Index mesh : attached.meshes)
-            if (!file_.meshes[mesh].skin.joints.empty() && largestJoints_[mesh] >= joints)
-                reference.fail("joint " + std::to_string(largestJoints_[mesh]) + " in mesh " + taut::quoted(file_.meshes[mesh].name),
-                               "0 to " + std::to_string(joints - 1) + ", the joints of " + skin.path());
+        const Index mesh = attached.mesh;
+        if (mesh != kNone && !file_.meshes[mesh].skin.joints.empty() && largestJoints_[mesh] >= joints)
+            reference.fail("joint " + std::to_string(largestJoints_[mesh]) + " in mesh " + taut::quoted(file_.meshes[mesh].name),
+                           "0 to " + std::to_string(joints - 1) + ", the joints of " + skin.path());
     }
 
     const GltfSource &source_;
     const GltfFile &file_;
-    const std::vector<std::vector<Index>> &meshOfPrimitive_;
+    const std::vector<Index> &meshOf_;
     std::vector<Index> largestJoints_;
     GltfValue skins_;
 };
+
+/// EXT_mesh_gpu_instancing: the mesh of a node in several places. Each becomes a child of the node, which keeps no mesh of its own.
+void addInstances(const GltfSource &source, const GltfValue &gltf, Index parent, GltfFile &file) {
+    const GltfValue attributes = gltf["extensions"]["EXT_mesh_gpu_instancing"]["attributes"];
+    if (!attributes.present() || file.attached[parent].mesh == kNone) return;
+    std::size_t count = 0;
+    const auto read = [&](const char *name, int components) {
+        const GltfValue reference = attributes[name];
+        if (!reference.present()) return std::vector<float>{};
+        std::vector<float> values = accessorFloats(source, reference, components);
+        const std::size_t found = values.size() / static_cast<std::size_t>(components);
+        if (count != 0 && found != count) reference.fail(std::to_string(found) + " elements", std::to_string(count) + " as in the others");
+        count = found;
+        return values;
+    };
+    const std::vector<float> translations = read("TRANSLATION", 3);
+    const std::vector<float> rotations = read("ROTATION", 4);
+    const std::vector<float> scales = read("SCALE", 3);
+    for (const std::string &name : attributes.keys())
+        if (name != "TRANSLATION" && name != "ROTATION" && name != "SCALE") file.leftOut.add("instance attribute " + name);
+    if (count == 0) return;
+    for (std::size_t i = 0; i < count; ++i) {
+        Node node;
+        node.name = file.rig.nodes[parent].name + "." + std::to_string(i);
+        node.parent = parent;
+        node.morphWeights = file.rig.nodes[parent].morphWeights;
+        if (!translations.empty()) node.translation = {translations[3 * i], translations[3 * i + 1], translations[3 * i + 2]};
+        if (!scales.empty()) node.scale = {scales[3 * i], scales[3 * i + 1], scales[3 * i + 2]};
+        if (!rotations.empty()) {
+            const DQuat q(rotations[4 * i + 3], rotations[4 * i], rotations[4 * i + 1], rotations[4 * i + 2]);
+            if (const double length = glm::length(q); length > 1e-6) node.rotation = q / length;
+        }
+        file.rig.nodes.push_back(std::move(node));
+        file.attached.push_back({file.attached[parent].mesh, kNone, kNone});
+    }
+    file.attached[parent].mesh = kNone;
+}
 
 /// Marks the roots of the default scene, then what hangs from them; without scenes, everything.
 void readScene(const GltfSource &source, GltfFile &file, const std::vector<Index> &nodeOf) {
@@ -141,19 +176,19 @@ void readScene(const GltfSource &source, GltfFile &file, const std::vector<Index
 
 } // namespace
 
-void readGltfNodes(const GltfSource &source, GltfFile &file, const std::vector<std::vector<Index>> &meshOfPrimitive,
-                   std::vector<Index> &nodeOf) {
+void readGltfNodes(const GltfSource &source, GltfFile &file, const std::vector<Index> &meshOf, std::vector<Index> &nodeOf) {
     const GltfValue nodes = source["nodes"];
     const std::vector<Index> parents = findParents(nodes);
     const std::vector<Index> order = sortNodes(nodes, parents);
     nodeOf.assign(order.size(), kNone);
     for (std::size_t i = 0; i < order.size(); ++i) nodeOf[order[i]] = static_cast<Index>(i);
-    const NodeReader reader(source, file, meshOfPrimitive);
+    const NodeReader reader(source, file, meshOf);
     for (const Index n : order) {
         file.attached.emplace_back();
         file.rig.nodes.push_back(reader.read(nodes[n], n, file.attached.back()));
         if (parents[n] != kNone) file.rig.nodes.back().parent = nodeOf[parents[n]];
     }
+    for (const Index n : order) addInstances(source, nodes[n], nodeOf[n], file);
     readScene(source, file, nodeOf);
 }
 

@@ -14,10 +14,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr auto kKnownExtensions =
-    std::to_array<std::string_view>({"KHR_lights_punctual", "KHR_materials_anisotropy", "KHR_materials_ior", "KHR_materials_transmission",
-                                     "KHR_materials_emissive_strength", "KHR_texture_transform", "KHR_mesh_quantization"});
-
 /// The parts of a .glb, or the whole of a .gltf.
 struct Container {
     std::string_view json;
@@ -31,7 +27,7 @@ std::uint32_t readWord(std::string_view bytes, std::size_t offset) {
 }
 
 /// glTF 2.0, section 4.4: a header of 12 bytes, then chunks of length, type and data.
-Container openGlb(std::string_view bytes, const std::string &path) {
+Container openGlb(std::string_view bytes, const std::string &path, Warnings &warnings) {
     constexpr std::uint32_t kJsonChunk = 0x4E4F534A;
     constexpr std::uint32_t kBinChunk = 0x004E4942;
     const auto fail = [&](std::size_t offset, const std::string &found, std::string_view expected) {
@@ -40,12 +36,21 @@ Container openGlb(std::string_view bytes, const std::string &path) {
     if (bytes.size() < 4 || bytes.substr(0, 4) != "glTF") fail(0, taut::quoted(bytes.substr(0, 4)), "'glTF'");
     if (bytes.size() < 12) fail(bytes.size(), "the end of the file", "a header of 12 bytes");
     if (readWord(bytes, 4) != 2) fail(4, "version " + std::to_string(readWord(bytes, 4)), "version 2");
-    if (readWord(bytes, 8) != bytes.size())
-        fail(8, "a length of " + std::to_string(readWord(bytes, 8)) + " bytes", "the file's, " + std::to_string(bytes.size()));
+    if (readWord(bytes, 8) > bytes.size())
+        fail(8, "a length of " + std::to_string(readWord(bytes, 8)) + " bytes", "at most the file's, " + std::to_string(bytes.size()));
+    if (readWord(bytes, 8) < bytes.size()) {
+        warnings.add(path + ": " + std::to_string(bytes.size() - readWord(bytes, 8)) +
+                     " bytes that follow the length in its header were not read");
+        bytes = bytes.substr(0, std::max<std::size_t>(readWord(bytes, 8), 12));
+    }
     Container container;
     container.binary = true;
     for (std::size_t offset = 12, chunk = 0; offset < bytes.size(); ++chunk) {
-        if (bytes.size() - offset < 8) fail(offset, "the end of the file", "a chunk's header of 8 bytes");
+        if (bytes.size() - offset < 8 && chunk == 0) fail(offset, "the end of the file", "a chunk's header of 8 bytes");
+        if (bytes.size() - offset < 8) {
+            warnings.add(path + ": " + std::to_string(bytes.size() - offset) + " bytes that follow the last chunk were not read");
+            break;
+        }
         const std::size_t length = readWord(bytes, offset);
         const std::uint32_t type = readWord(bytes, offset + 4);
         if (length > bytes.size() - offset - 8)
@@ -74,16 +79,9 @@ Location locate(const Container &container, const std::string &path, std::size_t
     return {path, 1 + static_cast<int>(std::count(before.begin(), before.end(), '\n')), 1 + static_cast<int>(offset - lineStart), -1};
 }
 
-void checkExtensions(const GltfSource &source, Warnings &warnings) {
-    const auto known = [](const std::string &name) {
-        return std::find(kKnownExtensions.begin(), kKnownExtensions.end(), name) != kKnownExtensions.end();
-    };
+void checkExtensions(const GltfSource &source) {
     const GltfValue required = source["extensionsRequired"];
-    for (std::size_t i = 0; i < required.size(); ++i) static_cast<void>(required[i].choice(kKnownExtensions));
-    const GltfValue used = source["extensionsUsed"];
-    for (std::size_t i = 0; i < used.size(); ++i)
-        if (const std::string &name = used[i].text(); !known(name))
-            warnings.add(source.path + ": extension " + taut::quoted(name) + " is not read");
+    for (std::size_t i = 0; i < required.size(); ++i) static_cast<void>(required[i].choice(knownExtensions()));
 }
 
 std::vector<unsigned char> readBuffer(const std::string &path, const GltfValue &buffer, bool first, const Container &container) {
@@ -102,7 +100,7 @@ std::vector<unsigned char> readBuffer(const std::string &path, const GltfValue &
     return bytes;
 }
 
-/// RFC 4648, section 4, up to the first character outside the alphabet.
+/// RFC 4648, section 4, up to the first character outside the alphabet. Line breaks and blanks are passed over.
 std::vector<unsigned char> decodeBase64(std::string_view text) {
     constexpr std::string_view kAlphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     std::array<signed char, 256> values{};
@@ -113,6 +111,7 @@ std::vector<unsigned char> decodeBase64(std::string_view text) {
     std::uint32_t bits = 0;
     int count = 0;
     for (const char c : text) {
+        if (c == '\n' || c == '\r' || c == ' ' || c == '\t') continue;
         const int value = values[static_cast<unsigned char>(c)];
         if (value < 0) break;
         bits = bits << 6U | static_cast<std::uint32_t>(value);
@@ -124,6 +123,35 @@ std::vector<unsigned char> decodeBase64(std::string_view text) {
     return bytes;
 }
 
+/// RFC 3986, section 2.1; a percent sign without two hexadecimal digits stands for itself.
+std::string percentDecoded(std::string_view text) {
+    const auto hexDigit = [](char c) {
+        return c >= '0' && c <= '9' ? c - '0' : c >= 'a' && c <= 'f' ? c - 'a' + 10 : c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
+    };
+    std::string decoded;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        const bool escaped = text[i] == '%' && i + 2 < text.size() && hexDigit(text[i + 1]) >= 0 && hexDigit(text[i + 2]) >= 0;
+        decoded += escaped ? static_cast<char>(hexDigit(text[i + 1]) * 16 + hexDigit(text[i + 2])) : text[i];
+        if (escaped) i += 2;
+    }
+    return decoded;
+}
+
+/// RFC 2397: data:[<type>][;base64],<data>. What the type says is not asked: the bytes tell what they are.
+std::vector<unsigned char> decodeDataUri(std::string_view text) {
+    const std::size_t comma = text.find(',');
+    if (comma == std::string_view::npos) return {};
+    constexpr std::string_view kBase64 = ";base64";
+    const std::string_view head = text.substr(0, comma);
+    const std::string_view data = text.substr(comma + 1);
+    if (head.size() >= kBase64.size() && head.substr(head.size() - kBase64.size()) == kBase64) {
+        const bool escaped = data.find('%') != std::string_view::npos;
+        return decodeBase64(escaped ? percentDecoded(data) : std::string(data));
+    }
+    const std::string decoded = percentDecoded(data);
+    return {decoded.begin(), decoded.end()};
+}
+
 } // namespace
 
 bool isDataUri(const GltfValue &uri) {
@@ -131,34 +159,23 @@ bool isDataUri(const GltfValue &uri) {
 }
 
 std::string pathOfUri(const std::string &gltfPath, const GltfValue &uri) {
-    const auto hexDigit = [](char c) {
-        return c >= '0' && c <= '9' ? c - '0' : c >= 'a' && c <= 'f' ? c - 'a' + 10 : c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
-    };
     const std::string &text = uri.text();
-    std::string decoded;
-    for (std::size_t i = 0; i < text.size(); ++i) {
-        const bool escaped = text[i] == '%' && i + 2 < text.size() && hexDigit(text[i + 1]) >= 0 && hexDigit(text[i + 2]) >= 0;
-        decoded += escaped ? static_cast<char>(hexDigit(text[i + 1]) * 16 + hexDigit(text[i + 2])) : text[i];
-        if (escaped) i += 2;
-    }
-    if (decoded.empty() || decoded.find('\0') != std::string::npos || decoded.find("://") != std::string::npos)
+    if (text.empty() || text.find("://") != std::string::npos || percentDecoded(text).find('\0') != std::string::npos)
         uri.fail(taut::quoted(text), "a data: URI or a path relative to the file");
-    return (fs::path(gltfPath).parent_path() / decoded).string();
+    const fs::path folder = fs::path(gltfPath).parent_path();
+    std::string slashes = text;
+    std::replace(slashes.begin(), slashes.end(), '\\', '/');
+    // A URI is percent-encoded, but many files hold the bare name: the name as it stands, if there is such a file, then its meaning.
+    std::error_code error;
+    for (const std::string &name : {text, slashes, percentDecoded(text)})
+        if (fs::is_regular_file(folder / name, error)) return (folder / name).string();
+    return (folder / percentDecoded(slashes)).string();
 }
 
 std::vector<unsigned char> readUri(const std::string &gltfPath, const GltfValue &uri) {
     if (isDataUri(uri)) {
-        constexpr auto kTypes = std::to_array<std::string_view>(
-            {"application/octet-stream", "application/gltf-buffer", "image/jpeg", "image/png", "image/bmp", "image/gif", "text/plain"});
-        constexpr std::string_view kEncoding = ";base64,";
-        const std::string_view text = std::string_view(uri.text()).substr(5);
-        const std::string_view type = text.substr(0, text.find(kEncoding));
-        std::vector<unsigned char> bytes;
-        if (std::find(kTypes.begin(), kTypes.end(), type) != kTypes.end() && type.size() < text.size())
-            bytes = decodeBase64(text.substr(type.size() + kEncoding.size()));
-        if (bytes.empty())
-            uri.fail(taut::quoted(uri.text()),
-                     "a data: URI of a known type with bytes in base64 (data:application/octet-stream;base64,...)");
+        std::vector<unsigned char> bytes = decodeDataUri(std::string_view(uri.text()).substr(5));
+        if (bytes.empty()) uri.fail(taut::quoted(uri.text()), "a data: URI with bytes (data:application/octet-stream;base64,...)");
         return bytes;
     }
     const std::string path = pathOfUri(gltfPath, uri);
@@ -167,20 +184,20 @@ std::vector<unsigned char> readUri(const std::string &gltfPath, const GltfValue 
     return {bytes.begin(), bytes.end()};
 }
 
-GltfSource openGltf(const std::string &path, Warnings &warnings) {
+GltfSource openGltf(const std::string &path, Tally &leftOut, Warnings &warnings) {
     const std::string bytes = readFileBytes(path);
     const bool binary = lowerExtension(path) == "glb" || std::string_view(bytes).substr(0, 4) == "glTF";
     Container container;
     if (binary)
-        container = openGlb(bytes, path);
+        container = openGlb(bytes, path, warnings);
     else
-        container.json = bytes;
+        container.json = std::string_view(bytes).substr(sizeOfByteOrderMark(bytes));
     GltfSource source;
     source.path = path;
     source.fileBytes = bytes.size();
     source.json = parseGltfJson(container.json, path, [&](std::size_t offset) { return locate(container, path, offset); });
-    checkGltfJson(path, *source.json);
-    checkExtensions(source, warnings);
+    checkGltfJson(path, *source.json, leftOut);
+    checkExtensions(source);
     const GltfValue buffers = source["buffers"];
     for (std::size_t i = 0; i < buffers.size(); ++i) {
         source.buffers.push_back(readBuffer(path, buffers[i], i == 0, container));

@@ -6,6 +6,7 @@
 
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -22,29 +23,34 @@ struct GltfSource {
     [[nodiscard]] GltfValue operator[](std::string_view key) const { return GltfValue(path, json.get())[key]; }
 };
 
-/// Opens and checks everything that lies before the meaning: container, JSON, extensions, buffers.
-GltfSource openGltf(const std::string &path, Warnings &warnings);
+/// Opens and checks everything that lies before the meaning: container, JSON, extensions, buffers. Tells of extensions and members
+/// that nothing reads.
+GltfSource openGltf(const std::string &path, Tally &leftOut, Warnings &warnings);
 
-/// The bytes that a URI stands for: of a data: URI, else of a file beside the .gltf.
+/// The bytes that a URI stands for: of a data: URI of any type, else of a file beside the .gltf.
 std::vector<unsigned char> readUri(const std::string &gltfPath, const GltfValue &uri);
-/// The path of a URI that is not a data: URI, percent-decoded, beside the .gltf.
+/// The path of a URI that is not a data: URI, beside the .gltf: as it stands where there is such a file, else percent-decoded.
+/// Backslashes part folders too.
 std::string pathOfUri(const std::string &gltfPath, const GltfValue &uri);
 bool isDataUri(const GltfValue &uri);
 
 /// `locate` makes a place of an offset into `text`.
 std::shared_ptr<const nlohmann::json> parseGltfJson(std::string_view text, const std::string &path,
                                                     const std::function<Location(std::size_t)> &locate);
-/// Checks the types of all members that the reader looks at, and the presence of the required ones. Unknown members are let
-/// through, as glTF wants.
-void checkGltfJson(const std::string &path, const nlohmann::json &json);
+/// Checks the types of all members that the reader looks at, and the presence of the required ones. Unknown members are let through,
+/// as glTF wants, and counted with the extensions that nothing reads.
+void checkGltfJson(const std::string &path, const nlohmann::json &json, Tally &leftOut);
+/// Whether an extension is applied.
+bool isKnownExtension(std::string_view name);
+/// All that are.
+std::span<const std::string_view> knownExtensions();
 
 // The parts, in the order in which they are read. Each takes what the earlier ones have put into `file`.
-void readGltfMaterials(const GltfSource &source, GltfFile &file, Warnings &warnings);
-/// meshOfPrimitive[m][p]: index into file.meshes of primitive p of glTF mesh m; kNone where it is left out.
-void readGltfMeshes(const GltfSource &source, GltfFile &file, std::vector<std::vector<Index>> &meshOfPrimitive, Warnings &warnings);
-/// nodeOf[n]: where glTF's node n went in file.nodes.
-void readGltfNodes(const GltfSource &source, GltfFile &file, const std::vector<std::vector<Index>> &meshOfPrimitive,
-                   std::vector<Index> &nodeOf);
+void readGltfMaterials(const GltfSource &source, GltfFile &file);
+/// meshOf[m]: index into file.meshes of glTF mesh m; kNone where it has no triangles.
+void readGltfMeshes(const GltfSource &source, GltfFile &file, std::vector<Index> &meshOf, Warnings &warnings);
+/// nodeOf[n]: where glTF's node n went in file.nodes. Instances (EXT_mesh_gpu_instancing) become children of their node.
+void readGltfNodes(const GltfSource &source, GltfFile &file, const std::vector<Index> &meshOf, std::vector<Index> &nodeOf);
 void readGltfSkins(const GltfSource &source, GltfFile &file, const std::vector<Index> &nodeOf);
 void readGltfClips(const GltfSource &source, GltfFile &file, const std::vector<Index> &nodeOf, Warnings &warnings);
 

@@ -103,6 +103,17 @@ bool GltfValue::isTrue() const {
     return present() && value_->is_boolean() && value_->get<bool>();
 }
 
+std::vector<std::string> GltfValue::keys() const {
+    std::vector<std::string> keys;
+    if (isObject())
+        for (const auto &member : value_->items()) keys.push_back(member.key());
+    return keys;
+}
+
+std::string GltfValue::dump() const {
+    return present() ? value_->dump(-1, ' ', false, json::error_handler_t::replace) : "";
+}
+
 Index GltfValue::index(std::size_t count, std::string_view what) const {
     const long long value = integer(-1);
     if (value < 0 || static_cast<unsigned long long>(value) >= count)

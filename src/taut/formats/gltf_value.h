@@ -37,6 +37,8 @@ class GltfValue {
     [[nodiscard]] std::vector<double> numbers() const;
     [[nodiscard]] const std::string &text() const; ///< else empty
     [[nodiscard]] bool isTrue() const;
+    [[nodiscard]] std::vector<std::string> keys() const; ///< of an object's members
+    [[nodiscard]] std::string dump() const;              ///< the JSON, the same for the same value
 
     /// The value as one of `count` elements called `what`; throws InputError where it is none.
     [[nodiscard]] Index index(std::size_t count, std::string_view what) const;

@@ -3,19 +3,36 @@
 #include "taut/base/file_bytes.h"
 #include "taut/formats/gltf_source.h"
 
+#include <algorithm>
+
 namespace taut {
 
+void Tally::add(const std::string &name, std::size_t count) {
+    const auto known = std::find_if(counts.begin(), counts.end(), [&](const auto &entry) { return entry.first == name; });
+    if (known != counts.end())
+        known->second += count;
+    else
+        counts.emplace_back(name, count);
+}
+
+std::string Tally::text() const {
+    std::string text;
+    for (const auto &[name, count] : counts) text += (text.empty() ? "" : ", ") + name + " (" + std::to_string(count) + ")";
+    return text;
+}
+
 GltfFile readGltf(const std::string &path, Warnings &warnings) {
-    const GltfSource source = openGltf(path, warnings);
     GltfFile file;
     file.path = path;
-    std::vector<std::vector<Index>> meshOfPrimitive;
+    const GltfSource source = openGltf(path, file.leftOut, warnings);
+    std::vector<Index> meshOf;
     std::vector<Index> nodeOf;
-    readGltfMaterials(source, file, warnings);
-    readGltfMeshes(source, file, meshOfPrimitive, warnings);
-    readGltfNodes(source, file, meshOfPrimitive, nodeOf);
+    readGltfMaterials(source, file);
+    readGltfMeshes(source, file, meshOf, warnings);
+    readGltfNodes(source, file, meshOf, nodeOf);
     readGltfSkins(source, file, nodeOf);
     readGltfClips(source, file, nodeOf, warnings);
+    if (!file.leftOut.counts.empty()) warnings.add(path + ": used, but not shown in the picture: " + file.leftOut.text());
     return file;
 }
 

@@ -21,10 +21,42 @@ Mesh readByExtension(const std::string &path, Warnings &warnings) {
     if (!isMeshPath(path)) failUnknownName({path, 0, 0, -1}, extension, kExtensions);
     const std::string bytes = readFileBytes(path);
     if (bytes.size() > kLargestFile) throw InputError(path + ": found " + std::to_string(bytes.size()) + " bytes, expected at most 4 GiB");
+    if (const std::string_view mark = std::string_view(bytes).substr(0, 2);
+        extension != "stl" && (mark == "\xff\xfe" || mark == "\xfe\xff"))
+        failInput({path, 1, 1, -1}, "a text in UTF-16", "UTF-8");
     if (extension == "ply") return readPly(bytes, path, warnings);
     if (extension == "off") return readOff(bytes, path, warnings);
-    if (extension == "stl") return readStl(bytes, path);
-    return readObj(bytes, path);
+    if (extension == "stl") return readStl(bytes, path, warnings);
+    return readObj(bytes, path, warnings);
+}
+
+bool isFiniteValue(const Vec3 &v) {
+    return isFinite(v);
+}
+bool isFiniteValue(const Vec2 &v) {
+    return std::isfinite(v.x) && std::isfinite(v.y);
+}
+
+/// `values` at `corners`; `name` says what they are, of many.
+template <class V>
+void dropNotFinite(std::vector<V> &values, std::vector<Index> &corners, const std::string &name, const std::string &what,
+                   Warnings &warnings) {
+    std::size_t bad = 0;
+    for (const V &value : values) bad += isFiniteValue(value) ? 0 : 1;
+    if (bad == 0) return;
+    std::size_t used = 0;
+    for (Index &corner : corners) {
+        if (corner == kNone || isFiniteValue(values[corner])) continue;
+        corner = kNone;
+        ++used;
+    }
+    warnings.add(what + ": " + std::to_string(bad) + " of " + std::to_string(values.size()) + " " + name +
+                 " are not finite and count as missing, at " + std::to_string(used) + " of " + std::to_string(corners.size()) + " corners");
+    for (V &value : values)
+        if (!isFiniteValue(value)) value = V(0);
+    if (std::any_of(corners.begin(), corners.end(), [](Index corner) { return corner != kNone; })) return;
+    values.clear();
+    corners.clear();
 }
 
 bool hasThreeDistinct(const Mesh &mesh, std::size_t face) {
@@ -61,11 +93,12 @@ void dropDegenerateFaces(Mesh &mesh, const std::string &what, Warnings &warnings
     std::size_t keptFaces = 0;
     std::size_t keptCorners = 0;
     const std::size_t faces = mesh.faceCount();
+    const std::array cornerArrays{&mesh.cornerPositions, &mesh.cornerNormals, &mesh.cornerUvs, &mesh.cornerTangents, &mesh.cornerColors};
     for (std::size_t f = 0; f < faces; ++f) {
         if (!hasThreeDistinct(mesh, f)) continue;
         const std::size_t begin = mesh.faceOffsets[f];
         const std::size_t end = mesh.faceOffsets[f + 1];
-        for (std::vector<Index> *corners : {&mesh.cornerPositions, &mesh.cornerNormals, &mesh.cornerUvs, &mesh.cornerTangents})
+        for (std::vector<Index> *corners : cornerArrays)
             if (!corners->empty()) std::copy(corners->begin() + begin, corners->begin() + end, corners->begin() + keptCorners);
         keptCorners += end - begin;
         if (!mesh.faceMaterials.empty()) mesh.faceMaterials[keptFaces] = mesh.faceMaterials[f];
@@ -75,11 +108,16 @@ void dropDegenerateFaces(Mesh &mesh, const std::string &what, Warnings &warnings
     }
     if (keptFaces == faces) return;
     mesh.faceOffsets.resize(keptFaces + 1);
-    for (std::vector<Index> *corners : {&mesh.cornerPositions, &mesh.cornerNormals, &mesh.cornerUvs, &mesh.cornerTangents})
+    for (std::vector<Index> *corners : cornerArrays)
         if (!corners->empty()) corners->resize(keptCorners);
     if (!mesh.faceMaterials.empty()) mesh.faceMaterials.resize(keptFaces);
     warnings.add(what + ": dropped " + std::to_string(faces - keptFaces) + " of " + std::to_string(faces) +
                  " faces, which have fewer than three distinct corners");
+}
+
+void dropNotFinite(Mesh &mesh, const std::string &what, Warnings &warnings) {
+    dropNotFinite(mesh.normals, mesh.cornerNormals, "normals", what, warnings);
+    dropNotFinite(mesh.uvs, mesh.cornerUvs, "texture coordinates", what, warnings);
 }
 
 void normaliseNormals(Mesh &mesh) {
@@ -101,6 +139,7 @@ Mesh readMesh(const std::string &path, Warnings &warnings) {
     Mesh mesh = readByExtension(path, warnings);
     mesh.name = std::filesystem::path(path).stem().string();
     dropDegenerateFaces(mesh, path, warnings);
+    dropNotFinite(mesh, path, warnings);
     normaliseNormals(mesh);
     shrinkToFit(mesh);
     if (mesh.faceCount() == 0) throw InputError(path + ": found no face, expected at least one face with three distinct corners");

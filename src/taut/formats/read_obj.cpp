@@ -13,13 +13,35 @@ namespace taut {
 
 namespace {
 
-/// Every keyword of the format, and `t`, with which subdivision tools tag creases. The ones that readLine does not know
-/// say nothing about the polygons.
-constexpr auto kKeywords = std::to_array<std::string_view>(
-    {"v",      "vt",     "vn",     "vp",     "f",     "fo",  "l",        "p",        "o",          "g",        "s",    "mg",
-     "usemtl", "mtllib", "usemap", "maplib", "bevel", "lod", "deg",      "bmat",     "step",       "cstype",   "curv", "curv2",
-     "surf",   "parm",   "trim",   "hole",   "scrv",  "sp",  "end",      "con",      "bsp",        "bzp",      "cdc",  "cdp",
-     "res",    "ctech",  "stech",  "call",   "csh",   "t",   "c_interp", "d_interp", "shadow_obj", "trace_obj"});
+/// Keywords that say nothing about how the polygons look: names of their groups.
+constexpr auto kNamesOfGroups = std::to_array<std::string_view>({"o", "g"});
+
+/// How often each keyword that is not read occurs, in the order in which they are met first.
+class Unread {
+  public:
+    void add(std::string_view keyword) {
+        constexpr std::size_t kMostNames = 16; // of a file that is no OBJ each line begins with another
+        const auto found = std::find_if(counts_.begin(), counts_.end(), [&](const auto &count) { return count.first == keyword; });
+        if (found != counts_.end())
+            ++found->second;
+        else if (counts_.size() < kMostNames)
+            counts_.emplace_back(keyword, 1);
+        else
+            ++others_;
+    }
+    /// "3 'l', 1 'curv'"; empty where there is none.
+    [[nodiscard]] std::string text() const {
+        std::string out;
+        for (const auto &[keyword, count] : counts_)
+            out += (out.empty() ? "" : ", ") + std::to_string(count) + " " + taut::quoted(keyword) +
+                   (keyword == "mtllib" ? " (materials come from the scene)" : "");
+        return others_ == 0 ? out : out + " and " + std::to_string(others_) + " of other keywords";
+    }
+
+  private:
+    std::vector<std::pair<std::string, std::size_t>> counts_;
+    std::size_t others_ = 0;
+};
 
 /// An index larger than the number of elements read so far: right only if the elements come later in the file.
 struct ForwardReference {
@@ -33,7 +55,8 @@ constexpr std::array<std::string_view, 3> kAttributeNames{"position (v)", "textu
 
 class ObjReader {
   public:
-    ObjReader(std::string_view bytes, const std::string &path) : path_(path), scanner_(bytes, path, '#', true) {}
+    ObjReader(std::string_view bytes, const std::string &path, Warnings &warnings)
+        : path_(path), warnings_(warnings), scanner_(bytes, path, '#', true) {}
 
     Mesh read() {
         do {
@@ -44,6 +67,7 @@ class ObjReader {
             if (reference.index >= count(reference.attribute))
                 failRange({path_, reference.line, reference.column, -1}, std::to_string(std::int64_t{reference.index} + 1),
                           reference.attribute);
+        warnOfUnread();
         if (!anyUv_) mesh_.cornerUvs.clear();
         if (!anyNormal_) mesh_.cornerNormals.clear();
         if (mesh_.materialNames.empty()) mesh_.faceMaterials.clear();
@@ -53,16 +77,22 @@ class ObjReader {
   private:
     void readLine(std::string_view keyword) {
         if (keyword == "v") {
-            // Weights and vertex colours may follow; they are numbers, and are not read.
-            mesh_.positions.push_back(readVec3("a coordinate"));
-            skipNumbers();
+            // A weight, or three or four components of a colour, may follow.
+            const float x = scanner_.number("a coordinate");
+            const float y = scanner_.number("a coordinate");
+            const float z = scanner_.number("a coordinate");
+            mesh_.positions.emplace_back(x, y, z);
+            if (skipNumbers() >= 3) ++colours_;
         } else if (keyword == "vt") {
-            const float u = scanner_.number("a texture coordinate");
+            const float u = numberOrNan("a texture coordinate");
             const std::string_view v = scanner_.word();
-            mesh_.uvs.emplace_back(u, v.empty() ? 0.0F : scanner_.toFloat(v, "a texture coordinate"));
+            mesh_.uvs.emplace_back(u, v.empty() ? 0.0F : scanner_.toFloatOrNan(v, "a texture coordinate"));
             skipNumbers();
         } else if (keyword == "vn") {
-            mesh_.normals.push_back(readVec3("a normal's component"));
+            const float x = numberOrNan("a normal's component");
+            const float y = numberOrNan("a normal's component");
+            const float z = numberOrNan("a normal's component");
+            mesh_.normals.emplace_back(x, y, z);
             scanner_.endLine();
         } else if (keyword == "f" || keyword == "fo") {
             readFace();
@@ -70,22 +100,32 @@ class ObjReader {
             material_ = materialSlot(std::string(scanner_.restOfLine()));
         } else if (keyword == "t") {
             readTag();
-        } else if (std::find(kKeywords.begin(), kKeywords.end(), keyword) == kKeywords.end()) {
-            failInput(scanner_.where(), taut::quoted(keyword),
-                      "an OBJ keyword; did you mean " + taut::quoted(nearestName(keyword, kKeywords)) + "?");
+        } else if (keyword == "s") {
+            ++smoothingGroups_;
+        } else if (std::find(kNamesOfGroups.begin(), kNamesOfGroups.end(), keyword) == kNamesOfGroups.end()) {
+            unread_.add(keyword);
         }
     }
 
-    Vec3 readVec3(std::string_view expected) {
-        const float x = scanner_.number(expected);
-        const float y = scanner_.number(expected);
-        const float z = scanner_.number(expected);
-        return {x, y, z};
+    /// Smoothing groups matter where no face has normals.
+    void warnOfUnread() {
+        std::string text = unread_.text();
+        const auto add = [&](std::size_t count, const std::string &what) {
+            if (count > 0) text += (text.empty() ? "" : ", ") + std::to_string(count) + " " + what;
+        };
+        add(colours_, "vertex colours");
+        add(anyNormal_ ? 0 : smoothingGroups_, "'s'");
+        if (!text.empty()) warnings_.add(path_ + ": not read: " + text);
     }
 
-    void skipNumbers() {
-        for (std::string_view word = scanner_.word(); !word.empty(); word = scanner_.word())
-            scanner_.toFloat(word, "a number or the end of the line");
+    float numberOrNan(std::string_view expected) { return scanner_.toFloatOrNan(scanner_.word(), expected); }
+
+    /// The rest of the line, of numbers; returns how many.
+    std::size_t skipNumbers() {
+        std::size_t count = 0;
+        for (std::string_view word = scanner_.word(); !word.empty(); word = scanner_.word(), ++count)
+            scanner_.toFloatOrNan(word, "a number or the end of the line");
+        return count;
     }
 
     void readFace() {
@@ -192,6 +232,7 @@ class ObjReader {
     }
 
     std::string path_;
+    Warnings &warnings_;
     TextScanner scanner_;
     Mesh mesh_;
     std::unordered_map<std::string, Index> slots_;
@@ -199,12 +240,15 @@ class ObjReader {
     Index material_ = kNone;
     bool anyUv_ = false;
     bool anyNormal_ = false;
+    Unread unread_;
+    std::size_t colours_ = 0;
+    std::size_t smoothingGroups_ = 0;
 };
 
 } // namespace
 
-Mesh readObj(std::string_view bytes, const std::string &path) {
-    return ObjReader(bytes, path).read();
+Mesh readObj(std::string_view bytes, const std::string &path, Warnings &warnings) {
+    return ObjReader(bytes, path, warnings).read();
 }
 
 } // namespace taut

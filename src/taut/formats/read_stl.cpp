@@ -55,6 +55,12 @@ std::size_t readKeyword(TextScanner &scanner, std::initializer_list<std::string_
     failInput(scanner.where(), taut::quoted(word), taut::quoted(nearestName(lower, valid)));
 }
 
+bool containsVertex(std::string_view text) {
+    constexpr std::string_view kVertex = "vertex";
+    return std::search(text.begin(), text.end(), kVertex.begin(), kVertex.end(),
+                       [](char found, char expected) { return lowerCase(found) == expected; }) != text.end();
+}
+
 void readFacet(TextScanner &scanner, std::vector<Vec3> &soup) {
     readKeyword(scanner, {"normal"});
     for (int i = 0; i < 3; ++i) // not read: exporters write "nan" or "-nan(ind)" for slivers
@@ -70,7 +76,7 @@ void readFacet(TextScanner &scanner, std::vector<Vec3> &soup) {
     readKeyword(scanner, {"endfacet"});
 }
 
-std::vector<Vec3> readAsciiStl(std::string_view bytes, const std::string &path) {
+std::vector<Vec3> readAsciiStl(std::string_view bytes, const std::string &path, Warnings &warnings) {
     TextScanner scanner(bytes, path);
     std::vector<Vec3> soup;
     readKeyword(scanner, {"solid"});
@@ -78,7 +84,13 @@ std::vector<Vec3> readAsciiStl(std::string_view bytes, const std::string &path) 
     while (true) {
         if (!inside) {
             if (!scanner.nextLine() || !scanner.skipEmptyLines()) break;
-            readKeyword(scanner, {"solid"});
+            const std::string_view rest = bytes.substr(scanner.position());
+            if (!equalIgnoringCase(scanner.word(), "solid")) {
+                // Not a solid: no more than what programs append, unless it holds vertices.
+                if (containsVertex(rest)) scanner.fail(rest.substr(0, rest.find_first_of(" \t\r\n")), "'solid'");
+                warnings.add(path + ": " + std::to_string(rest.size()) + " bytes that follow the last 'endsolid' were not read");
+                break;
+            }
         }
         scanner.restOfLine();
         while (readKeyword(scanner, {"facet", "endsolid"}) == 0) readFacet(scanner, soup);
@@ -87,16 +99,23 @@ std::vector<Vec3> readAsciiStl(std::string_view bytes, const std::string &path) 
     return soup;
 }
 
-bool beginsWithSolid(std::string_view bytes) {
+/// Binary headers of 80 bytes may begin with "solid" too, but a text has no zero bytes in them or in the count that follows.
+bool isText(std::string_view bytes) {
     TextScanner scanner(bytes.substr(0, 512), {});
-    return equalIgnoringCase(scanner.wordAcrossLines(), "solid");
+    return equalIgnoringCase(scanner.wordAcrossLines(), "solid") && bytes.substr(0, kStlHeader).find('\0') == std::string_view::npos;
 }
 
-std::vector<Vec3> readSoup(std::string_view bytes, const std::string &path) {
-    const bool solid = beginsWithSolid(bytes);
+std::vector<Vec3> readSoup(std::string_view bytes, const std::string &path, Warnings &warnings) {
+    const bool solid = isText(bytes);
     if (bytes.size() >= kStlHeader) {
         const std::size_t triangles = stlTriangles(bytes);
-        if (kStlHeader + triangles * kStlTriangle == bytes.size()) return readBinaryStl(bytes, path);
+        const std::size_t end = kStlHeader + triangles * kStlTriangle;
+        if (end <= bytes.size() && (!solid || end == bytes.size())) {
+            if (end < bytes.size())
+                warnings.add(path + ": " + std::to_string(bytes.size() - end) + " bytes that follow its " + std::to_string(triangles) +
+                             " triangles were not read");
+            return readBinaryStl(bytes, path);
+        }
         if (!solid)
             failInput({path, 0, 0, 80}, std::to_string(triangles) + " triangles in a file of " + std::to_string(bytes.size()) + " bytes",
                       "a file of " + std::to_string(kStlHeader + triangles * kStlTriangle) +
@@ -105,13 +124,13 @@ std::vector<Vec3> readSoup(std::string_view bytes, const std::string &path) {
         failInput({path, 0, 0, static_cast<std::int64_t>(bytes.size())}, "the end of the file",
                   "a header of 84 bytes, or 'solid' at the start of an ASCII file");
     }
-    return readAsciiStl(bytes, path);
+    return readAsciiStl(bytes, path, warnings);
 }
 
 } // namespace
 
-Mesh readStl(std::string_view bytes, const std::string &path) {
-    const std::vector<Vec3> soup = readSoup(bytes, path);
+Mesh readStl(std::string_view bytes, const std::string &path, Warnings &warnings) {
+    const std::vector<Vec3> soup = readSoup(bytes, path, warnings);
     Mesh compared;
     compared.positions = soup;
     for (Vec3 &p : compared.positions) // what rounding has left of a zero

@@ -4,8 +4,9 @@ namespace taut {
 
 void shrinkToFit(Mesh &mesh) {
     const auto shrink = [](auto &...arrays) { (arrays.shrink_to_fit(), ...); };
-    shrink(mesh.positions, mesh.faceOffsets, mesh.cornerPositions, mesh.normals, mesh.cornerNormals, mesh.uvs, mesh.cornerUvs,
-           mesh.tangents, mesh.cornerTangents, mesh.storedM, mesh.faceMaterials, mesh.skin.offsets, mesh.skin.joints, mesh.skin.weights);
+    shrink(mesh.positions, mesh.faceOffsets, mesh.cornerPositions, mesh.normals, mesh.cornerNormals, mesh.uvs, mesh.cornerUvs, mesh.uvs1,
+           mesh.colors, mesh.cornerColors, mesh.tangents, mesh.cornerTangents, mesh.storedM, mesh.faceMaterials, mesh.skin.offsets,
+           mesh.skin.joints, mesh.skin.weights);
     for (MorphTarget &morph : mesh.morphs) morph.positionDeltas.shrink_to_fit();
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-/// The control mesh: polygons stay polygons, UVs, normals and tangents are kept per corner.
+/// The control mesh: polygons stay polygons, UVs, colours, normals and tangents are kept per corner.
 /// Plain data, indices into arrays, no pointers. Positions are in the object's own space, in metres.
 
 #include "taut/base/vec.h"
@@ -48,6 +48,9 @@ struct Mesh {
     std::vector<Index> cornerNormals;
     std::vector<Vec2> uvs; ///< v up: (0, 0) is the lower left of the texture
     std::vector<Index> cornerUvs;
+    std::vector<Vec2> uvs1;   ///< [uvs] a second set at the same indices (glTF's TEXCOORD_1); empty: none
+    std::vector<Vec4> colors; ///< linear RGBA that multiplies the materials' colour and opacity
+    std::vector<Index> cornerColors;
     std::vector<Vec4> tangents; ///< glTF TANGENT: unit xyz in object space, w = handedness (bitangent = w * cross(n, t))
     std::vector<Index> cornerTangents;
     /// Gloss that `taut export` stored: a, b, d of M at each tangent, in the frame (tangent, cross(normal, tangent), normal).

@@ -90,16 +90,16 @@ void checkSize(const Mesh &cage, int level) {
         fail(cage, std::to_string(cage.faceCount()) + " faces (or their valences) are too many for level " + std::to_string(level));
 }
 
-bool everyCornerHasUv(const Mesh &mesh) {
-    return !mesh.cornerUvs.empty() && mesh.cornerUvs.size() == mesh.cornerCount() &&
-           std::find(mesh.cornerUvs.begin(), mesh.cornerUvs.end(), kNone) == mesh.cornerUvs.end();
+bool everyCornerHas(const std::vector<Index> &indices, const Mesh &mesh) {
+    return !indices.empty() && indices.size() == mesh.cornerCount() && std::find(indices.begin(), indices.end(), kNone) == indices.end();
 }
 
 /// The cage's faces as OpenSubdiv takes them: it asserts where a face holds a position twice.
 struct CageFaces {
     std::vector<int> sizes;
     std::vector<int> corners;
-    std::vector<int> uvs; ///< empty: no channel
+    std::vector<int> uvs;    ///< empty: no channel
+    std::vector<int> colors; ///< the same
     std::vector<Index> materials;
 };
 
@@ -109,7 +109,8 @@ CageFaces facesOf(const Mesh &cage) {
     CageFaces faces;
     faces.sizes.reserve(cage.faceCount());
     faces.corners.reserve(cage.cornerCount());
-    const bool hasUvs = everyCornerHasUv(cage);
+    const bool hasUvs = everyCornerHas(cage.cornerUvs, cage);
+    const bool hasColors = everyCornerHas(cage.cornerColors, cage);
     std::vector<int> sorted;
     for (std::size_t f = 0; f < cage.faceCount(); ++f) {
         const std::size_t start = faces.corners.size();
@@ -119,11 +120,13 @@ CageFaces facesOf(const Mesh &cage) {
             if (cage.cornerPositions[c] == cage.cornerPositions[next]) continue;
             faces.corners.push_back(static_cast<int>(cage.cornerPositions[c]));
             if (hasUvs) faces.uvs.push_back(static_cast<int>(cage.cornerUvs[c]));
+            if (hasColors) faces.colors.push_back(static_cast<int>(cage.cornerColors[c]));
         }
         const std::size_t size = faces.corners.size() - start;
         if (size < 3) {
             faces.corners.resize(start);
             if (hasUvs) faces.uvs.resize(start);
+            if (hasColors) faces.colors.resize(start);
             continue;
         }
         sorted.assign(faces.corners.begin() + static_cast<std::ptrdiff_t>(start), faces.corners.end());
@@ -191,13 +194,17 @@ RefinerPointer makeRefiner(const Mesh &cage, const CageFaces &faces, const Subdi
     topology.numCorners = static_cast<int>(features.cornerSharpness.size());
     topology.cornerVertexIndices = features.corners.data();
     topology.cornerWeights = features.cornerSharpness.data();
-    Far::TopologyDescriptor::FVarChannel uvChannel;
-    if (!faces.uvs.empty()) {
-        uvChannel.numValues = static_cast<int>(cage.uvs.size());
-        uvChannel.valueIndices = faces.uvs.data();
-        topology.numFVarChannels = 1;
-        topology.fvarChannels = &uvChannel;
-    }
+    std::vector<Far::TopologyDescriptor::FVarChannel> channels;
+    const auto addChannel = [&](std::size_t values, const std::vector<int> &indices) {
+        if (indices.empty()) return;
+        channels.emplace_back();
+        channels.back().numValues = static_cast<int>(values);
+        channels.back().valueIndices = indices.data();
+    };
+    addChannel(cage.uvs.size(), faces.uvs);
+    addChannel(cage.colors.size(), faces.colors);
+    topology.numFVarChannels = static_cast<int>(channels.size());
+    topology.fvarChannels = channels.data();
 
     Sdc::Options rules;
     rules.SetVtxBoundaryInterpolation(options.boundary == SubdivisionBoundary::EdgeOnly ? Sdc::Options::VTX_BOUNDARY_EDGE_ONLY
@@ -217,31 +224,51 @@ RefinerPointer makeRefiner(const Mesh &cage, const CageFaces &faces, const Subdi
     return refiner;
 }
 
-/// Texture coordinates as PrimvarRefiner wants them.
-struct UvValue {
-    DVec2 uv{0};
-    void Clear() { uv = DVec2(0); }
-    void AddWithWeight(const UvValue &other, double weight) { uv += weight * other.uv; }
+/// A value of corners (texture coordinates, a colour) as PrimvarRefiner wants it.
+template <class V> struct CornerValue {
+    V value{0};
+    void Clear() { value = V(0); }
+    void AddWithWeight(const CornerValue &other, double weight) { value += weight * other.value; }
 };
 
-void refineUvs(const Far::TopologyRefiner &refiner, const Mesh &cage, Mesh &refined) {
+/// The values of a face-varying channel on the limit.
+template <class Wide, class V> std::vector<V> refinedValues(const Far::TopologyRefiner &refiner, const std::vector<V> &cage, int channel) {
     const PrimvarRefiner primvars(refiner);
-    std::vector<UvValue> values(cage.uvs.size());
-    for (std::size_t i = 0; i < values.size(); ++i) values[i].uv = cage.uvs[i];
+    std::vector<CornerValue<Wide>> values(cage.size());
+    for (std::size_t i = 0; i < values.size(); ++i) values[i].value = Wide(cage[i]);
     for (int level = 1; level <= refiner.GetMaxLevel(); ++level) {
-        std::vector<UvValue> next(static_cast<std::size_t>(refiner.GetLevel(level).GetNumFVarValues(0)));
-        primvars.InterpolateFaceVarying(level, values, next, 0);
+        std::vector<CornerValue<Wide>> next(static_cast<std::size_t>(refiner.GetLevel(level).GetNumFVarValues(channel)));
+        primvars.InterpolateFaceVarying(level, values, next, channel);
         values = std::move(next);
     }
-    std::vector<UvValue> limit(values.size());
-    primvars.LimitFaceVarying(values, limit, 0);
+    std::vector<CornerValue<Wide>> limit(values.size());
+    primvars.LimitFaceVarying(values, limit, channel);
+    std::vector<V> refined;
+    refined.reserve(limit.size());
+    for (const CornerValue<Wide> &value : limit) refined.emplace_back(value.value);
+    return refined;
+}
 
-    refined.uvs.reserve(limit.size());
-    for (const UvValue &value : limit) refined.uvs.emplace_back(value.uv);
+std::vector<Index> refinedCorners(const Far::TopologyRefiner &refiner, int channel) {
     const Far::TopologyLevel last = refiner.GetLevel(refiner.GetMaxLevel());
-    refined.cornerUvs.reserve(refined.cornerCount());
+    std::vector<Index> corners;
+    corners.reserve(static_cast<std::size_t>(last.GetNumFaceVertices()));
     for (int f = 0; f < last.GetNumFaces(); ++f)
-        for (const int value : last.GetFaceFVarValues(f, 0)) refined.cornerUvs.push_back(static_cast<Index>(value));
+        for (const int value : last.GetFaceFVarValues(f, channel)) corners.push_back(static_cast<Index>(value));
+    return corners;
+}
+
+void refineCornerValues(const Far::TopologyRefiner &refiner, const Mesh &cage, const CageFaces &faces, Mesh &refined) {
+    int channel = 0;
+    if (!faces.uvs.empty()) {
+        refined.uvs = refinedValues<DVec2>(refiner, cage.uvs, channel);
+        if (!cage.uvs1.empty()) refined.uvs1 = refinedValues<DVec2>(refiner, cage.uvs1, channel);
+        refined.cornerUvs = refinedCorners(refiner, channel++);
+    }
+    if (faces.colors.empty()) return;
+    refined.colors = refinedValues<glm::dvec4>(refiner, cage.colors, channel);
+    for (Vec4 &color : refined.colors) color = glm::clamp(color, Vec4(0), Vec4(1)); // of creases and corners, masks may overshoot
+    refined.cornerColors = refinedCorners(refiner, channel);
 }
 
 std::vector<Index> refinedMaterials(const Far::TopologyRefiner &refiner, std::vector<Index> materials) {
@@ -300,7 +327,7 @@ Subdivision subdivide(const Mesh &cage, const SubdivisionOptions &options) {
     result.mesh.name = cage.name;
     result.mesh.materialNames = cage.materialNames;
     result.mesh.faceMaterials = refinedMaterials(*refiner, faces.materials);
-    if (refiner->GetNumFVarChannels() > 0) refineUvs(*refiner, cage, result.mesh);
+    refineCornerValues(*refiner, cage, faces, result.mesh);
     makeLimitRows(*refiner, options.scheme, cage.positions, result);
     return result;
 }

@@ -1,6 +1,7 @@
 #include "taut/mesh/weld.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <unordered_map>
 
@@ -14,9 +15,17 @@ std::size_t hashBytes(const void *data, std::size_t size, std::size_t seed) {
     return seed;
 }
 
+/// The position without what is below 1e-9 of the mesh's size: where a circle closes, files hold sin(2 pi) = -2.4e-16 beside 0. -0 and 0
+/// are one place.
+Vec3 snapped(const Vec3 &p, float size) {
+    const float large = size / 128; // its last digit is what is left
+    const auto snap = [&](float x) { return std::fabs(x) < large ? (x + large) - large + 0.0F : x; };
+    return {snap(p.x), snap(p.y), snap(p.z)};
+}
+
 /// True where two positions coincide at rest and move alike: same skin row, same morph displacements.
-bool sameMotion(const Mesh &mesh, Index a, Index b) {
-    if (mesh.positions[a] != mesh.positions[b]) return false;
+bool sameMotion(const Mesh &mesh, Index a, Index b, float size) {
+    if (snapped(mesh.positions[a], size) != snapped(mesh.positions[b], size)) return false;
     for (const MorphTarget &morph : mesh.morphs)
         if (morph.positionDeltas[a] != morph.positionDeltas[b]) return false;
     if (mesh.skin.empty()) return true;
@@ -36,11 +45,14 @@ std::vector<Index> weldPositions(const Mesh &mesh, bool weld) {
     if (!weld) return canonical;
     std::unordered_multimap<std::size_t, Index> seen;
     seen.reserve(mesh.positions.size());
+    float size = 0;
+    for (const Vec3 &p : mesh.positions)
+        for (int c = 0; c < 3; ++c) size = std::max(size, std::fabs(p[c]));
     for (Index i = 0; i < mesh.positions.size(); ++i) {
-        const Vec3 p = mesh.positions[i] + Vec3(0.0F); // -0 and 0 are one place
+        const Vec3 p = snapped(mesh.positions[i], size);
         const std::size_t key = hashBytes(&p, sizeof p, 14695981039346656037ULL);
         const auto [first, last] = seen.equal_range(key);
-        const auto match = std::find_if(first, last, [&](const auto &entry) { return sameMotion(mesh, entry.second, i); });
+        const auto match = std::find_if(first, last, [&](const auto &entry) { return sameMotion(mesh, entry.second, i, size); });
         if (match != last)
             canonical[i] = match->second;
         else

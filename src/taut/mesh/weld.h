@@ -5,8 +5,8 @@
 
 namespace taut {
 
-/// [positions] -> the first position that coincides with it at rest and moves alike (same skin row, same morph displacements).
-/// Without `weld` each stands for itself.
+/// [positions] -> the first position that coincides with it at rest, within 1e-9 of the mesh's size, and moves alike
+/// (same skin row, same morph displacements). Without `weld` each stands for itself.
 std::vector<Index> weldPositions(const Mesh &mesh, bool weld);
 
 /// The mesh with its corners on welded positions; those left over stay, unused.

@@ -43,6 +43,14 @@ SeenLight skyLight(const Environment &sky) {
     return {kHemisphere * static_cast<float>(sum / weights), kHemisphere * static_cast<float>(sum * sum / (weights * squares))};
 }
 
+/// The greatest luminance that a material slot of an object emits.
+float strongest(const Object &object) {
+    float greatest = 0;
+    for (Index slot = 0; slot < std::max<std::size_t>(object.slotEmission.size(), 1); ++slot)
+        greatest = std::max(greatest, luminance(emissionOf(object, slot).radiance.value));
+    return greatest;
+}
+
 } // namespace
 
 float coverageOf(std::span<const SeenLight> lights, float blur) {
@@ -74,9 +82,9 @@ SceneLights lightsOf(const Scene &scene, double frame) {
             light.shape);
     }
     for (const Object &object : scene.objects) {
-        if (object.emission.value == Vec3(0)) continue;
+        if (!emits(object)) continue;
         const Bounds box = worldBounds(object, frame, scene.render.fps);
-        if (!box.empty()) lights.placed.push_back({{box.centre(), 0.5F * box.diagonal(), Vec3(0), 0}, luminance(object.emission.value)});
+        if (!box.empty()) lights.placed.push_back({{box.centre(), 0.5F * box.diagonal(), Vec3(0), 0}, strongest(object)});
     }
     return lights;
 }

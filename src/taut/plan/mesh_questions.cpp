@@ -78,7 +78,8 @@ float silhouetteError(const Scene &scene, const RefinementError &box, float erro
     const DVec3 nearest = glm::clamp(eye, DVec3(box.lower), DVec3(box.upper));
     const double size = glm::length(DVec3(box.upper - box.lower));
     const double distance = std::max(glm::length(eye - nearest), 0.05 * size);
-    const double pixel = 2 * std::tan(0.5 * camera.fovY) * distance / scene.render.height;
+    const double height = camera.orthoHeight > 0 ? camera.orthoHeight : 2 * std::tan(0.5 * camera.fovY) * distance;
+    const double pixel = height / scene.render.height;
     const double outline = std::min(1.0, 3.1416 * (size / pixel) / (static_cast<double>(scene.render.width) * scene.render.height));
     const double pixels = static_cast<double>(error) / pixel;
     // Up to a pixel, the pixels of the outline change by the share that is uncovered; from there on more of them do.

@@ -56,7 +56,7 @@ const std::vector<AovInfo> kTable{
     {"rest_position",
      {"Pref.X", "Pref.Y", "Pref.Z"},
      [](const RenderScene &, const SurfacePoint &p, float *out) { put(out, restPosition(p)); }},
-    {"uv", {"u", "v"}, [](const RenderScene &, const SurfacePoint &p, float *out) { put(out, p.uv); }},
+    {"uv", {"u", "v"}, [](const RenderScene &, const SurfacePoint &p, float *out) { put(out, p.uv.first); }},
     {"m", // upper triangular
      {"M.a", "M.b", "M.d"},
      [](const RenderScene &, const SurfacePoint &p, float *out) {

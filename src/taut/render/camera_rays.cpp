@@ -50,11 +50,25 @@ struct PixelGrid {
     }
 }
 
+/// Orthographic: from the plane through the camera, all one way.
+[[gnu::always_inline]] inline void parallelLoop(CameraLanes &l) {
+    const int count = l.count;
+#pragma GCC ivdep
+    for (int i = 0; i < count; ++i) {
+        l.origin.x[i] = l.u[i];
+        l.origin.y[i] = l.v[i];
+        l.direction.x[i] = l.direction.y[i] = l.origin.z[i] = 0;
+        l.direction.z[i] = -1;
+        l.time[i] = 0;
+    }
+}
+
 #define TAUT_LOOPS(NAME, ...)                                                                                                              \
     struct NAME {                                                                                                                          \
         [[gnu::flatten __VA_ARGS__]] static void numbers(const PixelGrid &g, CameraLanes &l) { numbersLoop(g, l); }                        \
         [[gnu::flatten __VA_ARGS__]] static void place(const PixelGrid &g, CameraLanes &l) { placeLoop(g, l); }                            \
         [[gnu::flatten __VA_ARGS__]] static void pinhole(CameraLanes &l) { pinholeLoop(l); }                                               \
+        [[gnu::flatten __VA_ARGS__]] static void parallel(CameraLanes &l) { parallelLoop(l); }                                             \
     };
 TAUT_FOR_INSTRUCTION_SETS(TAUT_LOOPS)
 
@@ -67,7 +81,7 @@ Affine rigidAt(const std::vector<Affine> &steps, float time) {
     return m;
 }
 
-/// Lane `i` through the lens, from where the camera is at its time.
+/// Lane `i` through the lens, or on its way along the others, from where the camera is at its time.
 void throughLens(const RenderScene &scene, CameraLanes &l, std::size_t i) {
     const CameraState &camera = scene.camera();
     const bool moves = scene.cameraSteps().size() > 1;
@@ -75,7 +89,10 @@ void throughLens(const RenderScene &scene, CameraLanes &l, std::size_t i) {
     const Vec3 through(l.u[i], l.v[i], -1);
     Vec3 origin(0);
     Vec3 direction = through;
-    if (camera.apertureRadius > 0) {
+    if (camera.orthoHeight > 0) {
+        origin = Vec3(l.u[i], l.v[i], 0);
+        direction = Vec3(0, 0, -1);
+    } else if (camera.apertureRadius > 0) {
         const Vec2 u = sobol2(l.sample[i], hash(l.seed[i], kLensDimension));
         origin = Vec3(squareToDisk(u) * static_cast<float>(camera.apertureRadius), 0);
         direction = through * static_cast<float>(camera.focusDistance) - origin;
@@ -93,9 +110,11 @@ void throughLens(const RenderScene &scene, CameraLanes &l, std::size_t i) {
 
 void cameraRays(const RenderScene &scene, const TraceSettings &settings, CameraLanes &l, Instructions instructions) {
     const CameraState &camera = scene.camera();
-    const PixelGrid grid{static_cast<float>(2 * std::tan(0.5 * camera.fovY) / settings.height), 0.5F * static_cast<float>(settings.width),
+    const bool orthographic = camera.orthoHeight > 0;
+    const double height = orthographic ? camera.orthoHeight : 2 * std::tan(0.5 * camera.fovY);
+    const PixelGrid grid{static_cast<float>(height / settings.height), 0.5F * static_cast<float>(settings.width),
                          0.5F * static_cast<float>(settings.height), settings.seed};
-    const bool pinhole = camera.apertureRadius <= 0 && scene.cameraSteps().size() <= 1 && scene.scene().render.shutter <= 0;
+    const bool still = camera.apertureRadius <= 0 && scene.cameraSteps().size() <= 1 && scene.scene().render.shutter <= 0;
     onInstructions(instructions, [&](auto loops) {
         using Loops = decltype(loops);
         Loops::numbers(grid, l);
@@ -105,7 +124,7 @@ void cameraRays(const RenderScene &scene, const TraceSettings &settings, CameraL
             l.v[i] = offset.y;
         }
         Loops::place(grid, l);
-        if (pinhole) return Loops::pinhole(l);
+        if (still) return orthographic ? Loops::parallel(l) : Loops::pinhole(l);
         for (std::size_t i = 0; i < static_cast<std::size_t>(l.count); ++i) throughLens(scene, l, i);
     });
 }

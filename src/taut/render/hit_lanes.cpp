@@ -247,7 +247,7 @@ PlainMaterial plainMaterial(const PreparedMaterial &prepared) {
     PlainMaterial plain;
     const Material &m = *prepared.material;
     const BsdfInfo &info = bsdfInfo(m.type);
-    if (!info.lanes || m.unlit || m.color.texture != kNone || m.metallic.texture != kNone || m.poisson != 0) return plain;
+    if (!info.lanes || m.unlit || m.vertexColors || m.color.texture != kNone || m.metallic.texture != kNone || m.poisson != 0) return plain;
     if (info.refracts && fresnel::isMatched(m.ior)) return plain; // passes light straight on (bsdf.h)
     plain.bsdf = bsdfOf(prepared, valuesOf(prepared, m.color.value), 1);
     if (info.microsurface) {
@@ -269,8 +269,8 @@ PlainMaterial plainMaterial(const PreparedMaterial &prepared) {
 bool isPlain(const RenderObject &object) {
     const Object &source = *object.object;
     const bool stretchAsItIs = object.stretchOnFaces() || object.plan.interpolation == GradientInterpolation::Stretch;
-    return source.emission.value == Vec3(0) && !source.lean && object.storedPoisson.empty() && object.steps.size() == 1 &&
-           object.placements.size() <= 1 && stretchAsItIs;
+    return !emits(source) && !source.lean && object.storedPoisson.empty() && object.steps.size() == 1 && object.placements.size() <= 1 &&
+           stretchAsItIs;
 }
 
 namespace lanes {

@@ -1,25 +1,20 @@
 #include "taut/render/image_file.h"
 
 #include "taut/base/error.h"
+#include "taut/base/file_bytes.h"
 #include "taut/base/srgb.h"
 
+#include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 
 namespace taut {
 
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string extensionOf(const std::string &path) {
-    std::string extension = fs::path(path).extension().string();
-    for (char &c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    return extension;
-}
 
 void makeParent(const std::string &path) {
     const fs::path parent = fs::path(path).parent_path();
@@ -28,44 +23,16 @@ void makeParent(const std::string &path) {
     if (error) throw RunError(path + ": can't make its folder: " + error.message());
 }
 
-/// A file under construction beside its final name, with the same extension so that writers choose the same format. It is gone
-/// with this object unless it was finished.
-class PartFile {
-  public:
-    explicit PartFile(const std::string &path) : target_(path) {
-        makeParent(path);
-        part_ = (target_.parent_path() / ("." + target_.stem().string() + ".part" + target_.extension().string())).string();
-    }
-    ~PartFile() {
-        std::error_code ignored;
-        if (!finished_) fs::remove(part_, ignored);
-    }
-    PartFile(const PartFile &) = delete;
-    PartFile &operator=(const PartFile &) = delete;
-
-    [[nodiscard]] const std::string &name() const { return part_; }
-    void finish() {
-        std::error_code error;
-        fs::rename(part_, target_, error);
-        if (error) throw RunError(target_.string() + ": can't be written: " + error.message());
-        finished_ = true;
-    }
-
-  private:
-    fs::path target_;
-    std::string part_;
-    bool finished_ = false;
-};
-
 } // namespace
 
 bool isImagePath(const std::string &path) {
-    return extensionOf(path) == ".exr" || extensionOf(path) == ".png";
+    return lowerExtension(path) == "exr" || lowerExtension(path) == "png";
 }
 
 void writeImage(const std::string &path, const Image &image, const Metadata &metadata) {
-    PartFile part(path);
-    const bool png = extensionOf(path) == ".png";
+    makeParent(path);
+    OutputFile file(path); // before the work of encoding, so that a folder without room is known at once
+    const bool png = lowerExtension(path) == "png";
     const int channels = static_cast<int>(image.channels.size());
     OIIO::ImageSpec spec(image.window.width(), image.window.height(), png ? 3 : channels,
                          png ? OIIO::TypeDesc::UINT8 : OIIO::TypeDesc::FLOAT);
@@ -82,9 +49,12 @@ void writeImage(const std::string &path, const Image &image, const Metadata &met
     }
     for (const auto &[name, value] : metadata) spec.attribute(name, value);
 
-    const auto output = OIIO::ImageOutput::create(part.name());
+    const auto output = OIIO::ImageOutput::create(png ? "png" : "openexr");
     if (!output) throw RunError(path + ": no writer for this kind of image: " + OIIO::geterror());
-    bool written = output->open(part.name(), spec);
+    std::vector<unsigned char> encoded; // in memory: what a full disk says is said by OutputFile, in its words
+    OIIO::Filesystem::IOVecOutput memory(encoded);
+    output->set_ioproxy(&memory);
+    bool written = output->open(path, spec);
     if (written && png) {
         const std::size_t pixels = image.values.size() / static_cast<std::size_t>(channels);
         std::vector<unsigned char> bytes;
@@ -98,7 +68,8 @@ void writeImage(const std::string &path, const Image &image, const Metadata &met
         written = output->write_image(OIIO::TypeDesc::FLOAT, image.values.data());
     }
     if (!written || !output->close()) throw RunError(path + ": can't be written: " + output->geterror());
-    part.finish();
+    file.write(encoded.data(), encoded.size());
+    file.finish();
 }
 
 Image readImage(const std::string &path) {
@@ -118,12 +89,8 @@ Image readImage(const std::string &path) {
 }
 
 void writeTextFile(const std::string &path, const std::string &text) {
-    PartFile part(path);
-    std::ofstream file(part.name(), std::ios::binary);
-    file << text;
-    file.close();
-    if (!file) throw RunError(path + ": can't be written");
-    part.finish();
+    makeParent(path);
+    writeFileWhole(path, text);
 }
 
 } // namespace taut

@@ -7,6 +7,7 @@
 #include "taut/render/mesh_emitter.h"
 #include "taut/scene/lights/light_shapes.h"
 
+#include <algorithm>
 #include <span>
 #include <vector>
 
@@ -32,6 +33,21 @@ struct LightPart {
     Index triangle = 0;
 };
 
+/// Triangles of an object side by side that shine alike and are one entry of the light table.
+struct EmitterRun {
+    Index first = 0; ///< triangle of the object
+    Index count = 0;
+    Index entry = kNone;
+};
+
+/// The part of the light table that triangle `triangle` of an object with these runs is; entry kNone where it is none.
+inline LightPart partOfTriangle(const std::vector<EmitterRun> &runs, Index triangle) {
+    const auto next = std::upper_bound(runs.begin(), runs.end(), triangle, [](Index t, const EmitterRun &r) { return t < r.first; });
+    if (next == runs.begin()) return {};
+    const EmitterRun &run = *(next - 1);
+    return triangle - run.first < run.count ? LightPart{run.entry, triangle - run.first} : LightPart{};
+}
+
 /// How many parts an entry is chosen by.
 inline Index partCount(const LightEntry &entry) {
     const auto *mesh = std::get_if<MeshEmitter>(&entry.shape);
@@ -49,7 +65,7 @@ inline constexpr std::size_t kFewChoices = 16;
 
 struct LightTable {
     std::vector<LightEntry> entries;
-    std::vector<Index> entryOfObject; ///< [objects] the entry that an object emits through, else kNone
+    std::vector<std::vector<EmitterRun>> emitters; ///< [objects] the entries that an object emits through; empty for most
     const Environment *environment = nullptr;
     Index environmentEntry = kNone; ///< none for a constant one: only scattered rays find it
     Mat3 worldFromRender{1};        ///< rotation

@@ -12,8 +12,8 @@ template <class... Vectors> std::size_t bytesOf(const Vectors &...vectors) {
 
 std::size_t bytesOf(const Mesh &mesh) {
     std::size_t bytes = bytesOf(mesh.positions, mesh.faceOffsets, mesh.cornerPositions, mesh.normals, mesh.cornerNormals, mesh.uvs,
-                                mesh.cornerUvs, mesh.tangents, mesh.cornerTangents, mesh.storedM, mesh.faceMaterials, mesh.skin.offsets,
-                                mesh.skin.joints, mesh.skin.weights);
+                                mesh.cornerUvs, mesh.uvs1, mesh.colors, mesh.cornerColors, mesh.tangents, mesh.cornerTangents, mesh.storedM,
+                                mesh.faceMaterials, mesh.skin.offsets, mesh.skin.joints, mesh.skin.weights);
     for (const MorphTarget &morph : mesh.morphs) bytes += bytesOf(morph.positionDeltas);
     return bytes;
 }
@@ -28,7 +28,7 @@ MemoryUse memoryUse(const RenderScene &scene) {
         const Surface &s = object.surface;
         use.triangles += s.triangles.size();
         use.vertices += s.vertexCount();
-        use.shown += bytesOf(s.triangles, s.triangleSlots, s.uvs, object.storedPoisson, object.turned);
+        use.shown += bytesOf(s.triangles, s.triangleSlots, s.uvs, s.uvs1, s.colors, object.storedPoisson, object.turned);
         for (const SurfaceStep &step : object.steps)
             use.shown += bytesOf(step.positions, step.normals, step.tangents, step.stretch, step.lean, step.ds, step.dt);
         use.motion += bytesOf(s.vertexSurface, s.vertexTangents, s.frameCoefficients, s.surfacePosition, s.normals, s.stencilOffsets,

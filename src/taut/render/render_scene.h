@@ -82,8 +82,8 @@ class RenderScene {
 
     /// The object behind an Embree geometry number.
     [[nodiscard]] Index objectOfGeometry(Index geometry) const { return owners_[geometry]; }
-    /// Entry of the light table that an object emits through, else kNone.
-    [[nodiscard]] Index lightEntryOfObject(Index object) const { return lights_.entryOfObject[object]; }
+    /// The part of the light table that a triangle of an object is; entry kNone where it is none.
+    [[nodiscard]] LightPart lightPartOf(Index object, Index triangle) const { return partOfTriangle(lights_.emitters[object], triangle); }
 
   private:
     void askForSurfaces();

@@ -35,11 +35,11 @@ void PathTracer::State::shade(int event, Index index, const Ray &ray, const Hit 
             writeAovs(scene, point, wanted, &aovs[static_cast<std::size_t>(index) * static_cast<std::size_t>(aovChannels)]);
     }
     if (point.emission != Vec3(0)) {
-        const Index entry = scene.lightEntryOfObject(scene.objectOfGeometry(hit.geometry));
+        const LightPart part = scene.lightPartOf(scene.objectOfGeometry(hit.geometry), hit.primitive);
         float weight = 1;
-        if (path.scatterPdf > 0 && entry != kNone) {
+        if (path.scatterPdf > 0 && part.entry != kNone) {
             const float cosine = std::fabs(glm::dot(point.geometricNormal, ray.direction));
-            const float pdf = emitterHitPdf(scene.lights(), {entry, hit.primitive}, ray.origin, path.time, hit.t, cosine);
+            const float pdf = emitterHitPdf(scene.lights(), part, ray.origin, path.time, hit.t, cosine);
             weight = powerHeuristic(path.scatterPdf, pdf);
         }
         path.radiance += path.throughput * point.emission * weight;

@@ -143,16 +143,22 @@ SurfacePoint surfacePointAt(const RenderScene &scene, const std::vector<Prepared
     point.frame = Frame(geometry.s, geometry.t, geometry.n);
     point.tangent = geometry.tangent;
     deformationAt(object, corners, point);
-    if (!surface.uvs.empty()) point.uv = surface.uvs[t.x] * b.x + surface.uvs[t.y] * b.y + surface.uvs[t.z] * b.z;
+    const auto interpolated = [&](const auto &values) { return values[t.x] * b.x + values[t.y] * b.y + values[t.z] * b.z; };
+    if (!surface.uvs.empty()) point.uv = interpolated(surface.uvs);
+    if (!surface.uvs1.empty()) point.uv.second = interpolated(surface.uvs1);
+    if (!surface.colors.empty()) point.color = interpolated(surface.colors);
 
     const PreparedMaterial &material = materials[materialOfTriangle(object, hit.primitive)];
     point.baseColor = evaluateShare(material.material->color, scene.scene(), point.uv);
+    if (material.material->vertexColors) point.baseColor *= Vec3(point.color);
     point.bsdf = bsdfAt(material, scene.scene(), point, geometry.sense);
     if (point.bsdf.refracts && point.facing > 0) point.extinction = material.extinction;
     const Object &source = *object.object;
-    if (source.emission.value != Vec3(0) && (point.facing > 0 || source.emissionTwoSided))
-        point.emission = evaluate(source.emission, scene.scene(), point.uv);
     point.scatters = !material.material->unlit;
+    if (source.slotEmission.empty() && source.emission.value == Vec3(0)) return point;
+    const Emission emission = emissionOf(source, slotOfTriangle(object, hit.primitive));
+    if (emission.radiance.value != Vec3(0) && (point.facing > 0 || emission.twoSided))
+        point.emission = evaluate(emission.radiance, scene.scene(), point.uv);
     return point;
 }
 

@@ -16,7 +16,8 @@ struct SurfacePoint {
     Frame frame;          ///< shading frame: a function of the shading normal alone, so that nothing sampled in it depends on how
                           ///< the surface is parametrised; n on the geometric normal's side
     Bsdf bsdf;
-    Vec2 uv{0};
+    UvPoint uv;
+    Vec4 color{1};        ///< of the mesh itself, linear RGBA
     float facing = 1;     ///< SurfaceGeometry
     Vec3 emission{0};     ///< radiance leaving towards the viewer
     bool scatters = true; ///< false: unlit, the base colour is what is seen

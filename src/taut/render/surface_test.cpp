@@ -11,10 +11,14 @@ bool isSeenFromOutside(const RenderObject &object, const Hit &hit, const Ray &ra
     return glm::dot(glm::cross(at.e1, at.e2), ray.direction) <= 0;
 }
 
-Vec2 uvAt(const Surface &surface, const Hit &hit) {
-    if (surface.uvs.empty()) return Vec2(0);
+float opacityAt(const Material &material, const Scene &scene, const Surface &surface, const Hit &hit) {
     const Index3 t = surface.triangles[hit.primitive];
-    return surface.uvs[t.x] * (1 - hit.u - hit.v) + surface.uvs[t.y] * hit.u + surface.uvs[t.z] * hit.v;
+    const auto at = [&](const auto &values) { return values[t.x] * (1 - hit.u - hit.v) + values[t.y] * hit.u + values[t.z] * hit.v; };
+    UvPoint uv;
+    if (!surface.uvs.empty()) uv = at(surface.uvs);
+    if (!surface.uvs1.empty()) uv.second = at(surface.uvs1);
+    const bool tinted = material.vertexColors && !surface.colors.empty();
+    return opacityOf(material, scene, uv, tinted ? at(surface.colors).w : 1.0F);
 }
 
 } // namespace
@@ -25,7 +29,7 @@ bool PathTracer::State::Surfaces::isThere(std::size_t ray, const Hit &hit) const
     const Material &material = scene.scene().materialAt(materialOfTriangle(object, hit.primitive));
     if (!mayBeAbsent(material)) return true;
     if (!material.doubleSided && !isSeenFromOutside(object, hit, shadows_ ? state_.shadowRays[ray] : state_.rays[ray])) return false;
-    const float opacity = opacityOf(material, scene.scene(), uvAt(object.surface, hit));
+    const float opacity = opacityAt(material, scene.scene(), object.surface, hit);
     if (opacity >= 1) return true;
     if (opacity <= 0) return false;
     const Path &path = state_.paths[shadows_ ? state_.shadowTests[ray].path : state_.active[ray]];

@@ -68,6 +68,10 @@ void checkMesh(const Part &part, const Mesh &mesh) {
     checkAttribute(part, "mesh.cornerNormals", mesh.cornerNormals, mesh.normals.size(), mesh);
     checkAttribute(part, "mesh.cornerUvs", mesh.cornerUvs, mesh.uvs.size(), mesh);
     checkAttribute(part, "mesh.cornerTangents", mesh.cornerTangents, mesh.tangents.size(), mesh);
+    checkAttribute(part, "mesh.cornerColors", mesh.cornerColors, mesh.colors.size(), mesh);
+    if (!mesh.uvs1.empty()) checkCount(part, "mesh.uvs1", mesh.uvs1.size(), mesh.uvs.size());
+    checkEach(part, "mesh.colors", mesh.colors.size(), "a number that is not finite", "finite numbers",
+              [&](std::size_t i) { return !isFinite(Vec3(mesh.colors[i])) || !std::isfinite(mesh.colors[i].w); });
     checkPoints(part, "mesh.normals", mesh.normals);
     checkEach(part, "mesh.tangents", mesh.tangents.size(), "a number that is not finite", "finite numbers",
               [&](std::size_t i) { return !isFinite(Vec3(mesh.tangents[i])); });

@@ -158,6 +158,8 @@ class SceneCheck {
         checkPlacement(at, object.placement);
         checkSurface(at, object);
         checkParam(at, "emission", object.emission, kNotNegative);
+        if (!object.slotEmission.empty()) checkCount(at, "slotEmission", object.slotEmission.size(), object.materials.size());
+        for (const Emission &emission : object.slotEmission) checkParam(at, "slotEmission", emission.radiance, kNotNegative);
     }
 
     /// The words for a light's keys (scene/lights/): here they are held to their ranges.
@@ -212,6 +214,7 @@ class SceneCheck {
 
     void checkCamera(const Part &at, const Camera &camera) {
         checkKeys(at, "fovY", camera.fovY, camera.rig ? kAnyFieldOfView : kFieldOfView, radians(1));
+        checkKeys(at, "orthoHeight", camera.orthoHeight, kNotNegative);
         checkKeys(at, "apertureRadius", camera.apertureRadius, kNotNegative);
         checkKeys(at, "focusDistance", camera.focusDistance, kNotNegative);
         checkPlacement(at, camera.placement);

@@ -9,7 +9,6 @@ namespace taut {
 
 namespace {
 
-
 /// cos(theta) at the upper edge of row `row` of `height`.
 double cosAtRow(int row, int height) {
     return std::cos(kTwoPi / 2 * row / height);
@@ -71,8 +70,8 @@ Environment constantEnvironment(const Vec3 &radiance) {
     return e;
 }
 
-Environment readEnvironment(const std::string &path, double rotation, const Vec3 &scale) {
-    const Texture image = readTexture(path, ColorSpace::Auto);
+Environment readEnvironment(const std::string &path, double rotation, const Vec3 &scale, Warnings &warnings) {
+    const Texture image = readRadiance(path, warnings);
     Environment e;
     e.width = image.width;
     e.height = image.height;
@@ -84,12 +83,10 @@ Environment readEnvironment(const std::string &path, double rotation, const Vec3
         const float *t = &image.texels[i * channels];
         const Vec3 rgb = channels == 1 ? Vec3(t[0]) : Vec3(t[0], t[1], t[2]);
         e.texels[i] = rgb * scale;
-        const bool negative = std::min({rgb.x, rgb.y, rgb.z}) < 0;
-        if (!negative && isFinite(e.texels[i])) continue;
+        if (isFinite(e.texels[i])) continue;
         const std::string place = " in column " + std::to_string(i % static_cast<std::size_t>(e.width)) + ", row " +
                                   std::to_string(i / static_cast<std::size_t>(e.width));
-        failInput({path, 0, 0, -1}, (negative ? "a negative radiance" : "a radiance that is not finite when scaled") + place,
-                  "finite radiance of at least 0");
+        failInput({path, 0, 0, -1}, "a radiance that is not finite when scaled" + place, "finite radiance");
     }
     buildSampling(e);
     return e;

@@ -44,9 +44,9 @@ struct EnvironmentSample {
 /// A constant environment.
 Environment constantEnvironment(const Vec3 &radiance);
 
-/// Reads .exr or .hdr (any format of readTexture; 8-bit images count as sRGB) and multiplies by `scale`. Negative and not
-/// finite texels are errors.
-Environment readEnvironment(const std::string &path, double rotation, const Vec3 &scale);
+/// Reads a map of radiance (readRadiance, which holds and counts single negative and not finite texels) and multiplies it by `scale`.
+/// Throws InputError where that leaves float's range.
+Environment readEnvironment(const std::string &path, double rotation, const Vec3 &scale, Warnings &warnings);
 
 /// The built-in studio: soft boxes over a dim gradient, made here by formula.
 Environment studioEnvironment();

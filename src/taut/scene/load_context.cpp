@@ -1,7 +1,8 @@
-#include "taut/scene/load_context.h"
+#include "taut/scene/load_gltf.h"
 
 #include "taut/formats/read_mesh.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 
@@ -10,7 +11,12 @@ namespace taut {
 namespace fs = std::filesystem;
 
 std::string resolvedPath(const LoadContext &context, const std::string &path) {
-    return (fs::path(context.folder) / path).lexically_normal().string();
+    const fs::path folder(context.folder);
+    std::string forward = path;
+    std::replace(forward.begin(), forward.end(), '\\', '/');
+    std::error_code error;
+    const bool asWritten = forward == path || fs::exists(folder / path, error) || !fs::exists((folder / forward).parent_path(), error);
+    return (folder / (asWritten ? path : forward)).lexically_normal().string();
 }
 
 std::string filePath(const LoadContext &context, const TomlValue &value) {
@@ -27,8 +33,11 @@ std::string filePath(const LoadContext &context, const TomlValue &value) {
 }
 
 std::shared_ptr<const GltfFile> gltfFile(LoadContext &context, const std::string &path) {
-    auto &file = context.gltfFiles[path];
-    if (!file) file = std::make_shared<const GltfFile>(readGltf(path, context.warnings));
+    auto &file = context.gltfFiles[fs::path(path).lexically_normal().string()];
+    if (!file) {
+        file = std::make_shared<const GltfFile>(readGltf(path, context.warnings));
+        context.scene.files.push_back(summaryOf(*file));
+    }
     return file;
 }
 

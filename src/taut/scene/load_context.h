@@ -34,13 +34,17 @@ struct LoadContext {
     std::map<std::string, Index> textures{};  ///< by path and decoding
     std::map<std::string, Index> materials{}; ///< [material.NAME] by name
     std::map<std::pair<const GltfFile *, Index>, Index> gltfMaterials{};
+    std::map<std::string, std::optional<Texture>> gltfImages{}; ///< by file, number and decoding; none: it can't be read
     UniqueNames objectNames{}; ///< of objects, and of glTF entries, whose objects are named entry/node
     Index defaultMaterial = kNone;
+    bool meshLights = false;              ///< [[light]] makes a mesh shine
+    const TomlValue *wholeClip = nullptr; ///< frames = "clip"
 };
 
 /// The path a key names, relative to the scene file. Throws at the key where that is no readable file.
 std::string filePath(const LoadContext &context, const TomlValue &value);
-/// A path relative to the scene file, whether it is there or not: for patterns.
+/// A path relative to the scene file, whether it is there or not: for patterns. Backslashes, which are separators where many files were
+/// made, count as slashes unless there is a file of that very name, or no folder of the other.
 std::string resolvedPath(const LoadContext &context, const std::string &path);
 
 std::shared_ptr<const GltfFile> gltfFile(LoadContext &context, const std::string &path);
@@ -55,7 +59,7 @@ std::string uniqueName(UniqueNames &names, const std::string &name);
 double firstFrame(const Scene &scene);
 
 // --- sections of a scene file ----------------------------------------------------------------------------------------
-void loadRender(const TomlValue &section, RenderSettings &render);
+void loadRender(LoadContext &context, const TomlValue &section);
 /// [[light]]: appends a light, or makes objects emit.
 void loadLights(LoadContext &context, const TomlValue &section);
 void loadEnvironment(LoadContext &context, const TomlValue &section);
@@ -89,15 +93,15 @@ std::vector<DeformerKeys> loadDeformers(const TomlValue &section);
 Placement loadPlacement(TableReader &table, bool yUpByDefault);
 
 // --- glTF ------------------------------------------------------------------------------------------------------------
-/// Motion of a node: `clip` and `loop` of the table; the clip defaults to the file's first.
-RigMotion loadGltfMotion(TableReader &table, const std::shared_ptr<const GltfFile> &file);
-/// Objects of every (node, primitive) of the file's scene, copies of `common` with their own name, mesh, materials and
-/// emission. `material` (may be null) is the entry's key. Throws at `where` where the file's scene holds no mesh.
+/// Motion of a node: `clip` and `loop` of the table. Without a clip, all that move different channels play together.
+RigMotion loadGltfMotion(LoadContext &context, TableReader &table, const std::shared_ptr<const GltfFile> &file);
+/// Objects of every node with a mesh of the file's scene, copies of `common` with their own name, mesh, materials and emission. Reads
+/// `material`, `variant` and whether `smooth` is given. Throws at `where` where the file's scene holds no mesh.
 void addGltfObjects(LoadContext &context, const Object &common, const std::shared_ptr<const GltfFile> &file, const RigMotion &motion,
-                    const TomlValue *material, const Location &where);
+                    TableReader &table, const Location &where);
 /// KHR_lights_punctual lights where they are at the first frame.
 void addGltfLights(LoadContext &context, const GltfFile &file, const RigMotion &motion, const Placement &placement);
-/// The first perspective camera node of the file's scene; kNone where there is none.
+/// The first camera node of the file's scene; kNone where there is none.
 Index firstCameraNode(const GltfFile &file);
 
 /// A view from the front, a little to the right and above, of everything at the first frame.

@@ -1,7 +1,7 @@
 /// A glTF file turned into objects, materials and lights of a scene. Space: the file's own (y up); the placement of the entry
 /// turns it to the world's z up.
 
-#include "taut/scene/load_context.h"
+#include "taut/scene/load_gltf.h"
 
 #include <algorithm>
 #include <array>
@@ -9,58 +9,6 @@
 namespace taut {
 
 namespace {
-
-/// Transmission above this makes a material a dielectric; the blend of the two that glTF allows is not modelled.
-constexpr float kMostlyTransmissive = 0.5F;
-
-Index gltfTexture(LoadContext &context, const GltfFile &file, const GltfTextureRef &ref, ColorSpace space, const std::string &material) {
-    if (ref.image == kNone) return kNone;
-    if (ref.texCoord != 0) {
-        context.warnings.add(file.path + ": material " + quoted(material) + " uses TEXCOORD_" + std::to_string(ref.texCoord) +
-                             " for a texture; only TEXCOORD_0 is read, the texture is left out");
-        return kNone;
-    }
-    const std::string key = file.path + "#" + std::to_string(ref.image) + "|" + std::to_string(static_cast<int>(space)) +
-                            (ref.repeatU ? "|repeat" : "|clamp") + (ref.repeatV ? "|repeat" : "|clamp");
-    return addTexture(context, key, [&] {
-        const GltfImage &image = file.images[ref.image];
-        Texture texture = image.path.empty()
-                              ? readTextureFromMemory(file.path + ": images[" + std::to_string(ref.image) + "]", image.bytes, space)
-                              : readTexture(image.path, space);
-        texture.repeatU = ref.repeatU;
-        texture.repeatV = ref.repeatV;
-        return texture;
-    });
-}
-
-/// glTF 2.0, appendix B, with KHR_materials_anisotropy, _ior and _transmission.
-Material toMaterial(LoadContext &context, const GltfFile &file, const GltfMaterial &from) {
-    Material material;
-    material.name = from.name;
-    material.type = from.transmission > kMostlyTransmissive ? BsdfType::Dielectric : BsdfType::MetallicRoughness;
-    material.color = {Vec3(from.baseColor), gltfTexture(context, file, from.baseColorTexture, ColorSpace::Srgb, from.name)};
-    const Index metallicRoughness = gltfTexture(context, file, from.metallicRoughnessTexture, ColorSpace::Linear, from.name);
-    material.alphaX = material.alphaY = {from.roughness, metallicRoughness, 1};
-    material.alphaIsRoughness = true;
-    material.metallic = {from.metallic, metallicRoughness, 2};
-    material.rotation.value = from.anisotropyRotation;
-    material.anisotropyStrength = from.anisotropyStrength;
-    material.anisotropyTexture = gltfTexture(context, file, from.anisotropyTexture, ColorSpace::Linear, from.name);
-    material.ior = from.ior;
-    return material;
-}
-
-/// The scene material of a material of the file, made on first use. kNone is glTF's default material.
-Index gltfMaterial(LoadContext &context, const GltfFile &file, Index index) {
-    const auto key = std::make_pair(&file, index);
-    const auto found = context.gltfMaterials.find(key);
-    if (found != context.gltfMaterials.end()) return found->second;
-    GltfMaterial standard;
-    standard.name = "glTF default";
-    Material material = toMaterial(context, file, index == kNone ? standard : file.materials[index]);
-    context.scene.materials.push_back(std::move(material));
-    return context.gltfMaterials[key] = static_cast<Index>(context.scene.materials.size() - 1);
-}
 
 /// The entry's `material`: one name for all, or scene materials by the file's names; else the file's own.
 Index chosenMaterial(LoadContext &context, const GltfFile &file, Index index, const TomlValue *material) {
@@ -115,25 +63,35 @@ Light toLight(const GltfLight &from, const DMat4 &worldFromNode) {
     return light;
 }
 
-Index toClip(const TomlValue &value, const GltfFile &file) {
-    const std::vector<Clip> &clips = file.rig.clips;
-    if (value.kind == TomlValue::Kind::Integer && !clips.empty())
-        return static_cast<Index>(toInteger(value, {0, static_cast<std::int64_t>(clips.size()) - 1}));
+/// The place in a list that a key gives, by name or by number from 0; kNone for "none".
+Index toPlace(const TomlValue &value, const std::vector<std::string> &listed) {
+    if (value.kind == TomlValue::Kind::Integer && !listed.empty())
+        return static_cast<Index>(toInteger(value, {0, static_cast<std::int64_t>(listed.size()) - 1}));
     if (toText(value) == "none") return kNone;
     std::vector<std::string_view> names{"none"};
-    for (Index i = 0; i < clips.size(); ++i) {
-        if (clips[i].name == value.text) return i;
-        names.push_back(clips[i].name);
+    for (Index i = 0; i < listed.size(); ++i) {
+        if (listed[i] == value.text) return i;
+        names.push_back(listed[i]);
     }
     failUnknownName(value.where, value.text, names);
 }
 
+Index toClip(const TomlValue &value, const GltfFile &file) {
+    std::vector<std::string> names;
+    for (const Clip &clip : file.rig.clips) names.push_back(clip.name);
+    return toPlace(value, names);
+}
+
 } // namespace
 
-RigMotion loadGltfMotion(TableReader &table, const std::shared_ptr<const GltfFile> &file) {
+RigMotion loadGltfMotion(LoadContext &context, TableReader &table, const std::shared_ptr<const GltfFile> &file) {
     RigMotion motion;
-    motion.clip = file->rig.clips.empty() ? kNone : 0;
-    table.read("clip", motion.clip, [&](const TomlValue &value) { return toClip(value, *file); });
+    if (const TomlValue *clip = table.find("clip")) {
+        motion.clip = toClip(*clip, *file);
+    } else {
+        motion.together = clipsTogether(*file, context.warnings);
+        motion.clip = file->rig.clips.empty() || motion.together ? kNone : 0;
+    }
     table.read("loop", motion.loop);
     motion.rig = {file, &file->rig}; // keeps the file alive
     return motion;
@@ -141,37 +99,57 @@ RigMotion loadGltfMotion(TableReader &table, const std::shared_ptr<const GltfFil
 
 Index firstCameraNode(const GltfFile &file) {
     for (const Index node : file.sceneNodes)
-        if (const Index camera = file.attached[node].camera; camera != kNone && file.cameras[camera].perspective) return node;
+        if (file.attached[node].camera != kNone) return node;
     return kNone;
 }
 
+namespace {
+
+/// Materials and emission of an object's slots. `chosen`: the entry's `material`, may be null.
+void setSlots(LoadContext &context, const GltfFile &file, Index mesh, Index variant, const TomlValue *chosen, Object &object) {
+    object.materials.clear();
+    for (const GltfSlot &slot : file.slots[mesh]) {
+        const Index own = variant != kNone && !slot.variants.empty() ? slot.variants[variant] : slot.material;
+        const Index material = chosenMaterial(context, file, own, chosen);
+        const auto made = context.gltfMaterials.find({&file, own});
+        const bool isOwn = made != context.gltfMaterials.end() && made->second == material;
+        if (isOwn && !object.mesh->colors.empty()) context.scene.materials[material].vertexColors = true;
+        object.materials.push_back(material);
+        object.slotEmission.push_back(gltfEmission(context, file, own));
+    }
+    if (object.slotEmission.size() == 1) {
+        object.emission = object.slotEmission.front().radiance;
+        object.emissionTwoSided = object.slotEmission.front().twoSided;
+    }
+    if (object.slotEmission.size() == 1 || !emits(object)) object.slotEmission.clear();
+}
+
+} // namespace
+
 void addGltfObjects(LoadContext &context, const Object &common, const std::shared_ptr<const GltfFile> &shared, const RigMotion &motion,
-                    const TomlValue *material, const Location &where) {
+                    TableReader &table, const Location &where) {
     const GltfFile &file = *shared;
+    const TomlValue *material = table.find("material");
     checkMaterialTable(file, material);
+    Index variant = kNone;
+    table.read("variant", variant, [&](const TomlValue &value) { return toPlace(value, file.variants); });
+    const bool smoothAsked = table.find("smooth") != nullptr;
     const std::string entryName = uniqueName(context.objectNames, common.name);
     const std::size_t before = context.scene.objects.size();
     for (const Index nodeIndex : file.sceneNodes) {
+        const Index mesh = file.attached[nodeIndex].mesh;
+        if (mesh == kNone) continue;
         const Node &node = file.rig.nodes[nodeIndex];
         const std::string nodeName = node.name.empty() ? "node" + std::to_string(nodeIndex) : node.name;
-        for (const Index meshIndex : file.attached[nodeIndex].meshes) {
-            Object object = common;
-            object.name = uniqueName(context.objectNames, entryName + "/" + nodeName);
-            object.mesh = {shared, &file.meshes[meshIndex]}; // keeps the file alive
-            object.rig = motion;
-            object.rig->node = nodeIndex;
-            const Index own = file.meshMaterials[meshIndex];
-            object.materials.assign(std::max<std::size_t>(1, object.mesh->materialNames.size()),
-                                    chosenMaterial(context, file, own, material));
-            if (own != kNone) {
-                const GltfMaterial &from = file.materials[own];
-                object.emission = {from.emissive, kNone};
-                if (from.emissive != Vec3(0))
-                    object.emission.texture = gltfTexture(context, file, from.emissiveTexture, ColorSpace::Srgb, from.name);
-                object.emissionTwoSided = from.doubleSided;
-            }
-            context.scene.objects.push_back(std::move(object));
-        }
+        Object object = common;
+        object.name = uniqueName(context.objectNames, entryName + "/" + nodeName);
+        object.mesh = {shared, &file.meshes[mesh]}; // keeps the file alive
+        object.rig = motion;
+        object.rig->node = nodeIndex;
+        // glTF 2.0, section 3.7.2.1: without normals, faces are flat. Under subdivision the limit surface has normals of its own.
+        if (!smoothAsked && file.flat[mesh] != 0) object.smooth = false;
+        setSlots(context, file, mesh, variant, material, object);
+        context.scene.objects.push_back(std::move(object));
     }
     if (context.scene.objects.size() == before) failInput(where, "no triangles in " + file.path, "a scene with a mesh");
 }

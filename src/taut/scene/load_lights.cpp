@@ -61,6 +61,8 @@ void addMeshLight(LoadContext &context, TableReader &table) {
     for (Object &object : context.scene.objects) {
         if (object.name != target.text && object.name.compare(0, prefix.size(), prefix) != 0) continue;
         object.emission = radiance;
+        object.slotEmission.clear();
+        context.meshLights |= radiance.value != Vec3(0);
         object.emissionTwoSided = twoSided;
         found = true;
     }

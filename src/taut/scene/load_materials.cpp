@@ -30,8 +30,8 @@ TextureUse loadTexture(LoadContext &context, const TomlValue &value, ColorSpace 
     const std::string path = filePath(context, table.required("file", "file = \"image.png\""));
     const std::string key = path + "|" + std::to_string(static_cast<int>(space)) + (repeat ? "|repeat" : "|clamp");
     use.texture = addTexture(context, key, [&] {
-        Texture texture = readTexture(path, space);
-        texture.repeatU = texture.repeatV = repeat;
+        Texture texture = readTexture(path, space, context.warnings);
+        if (!repeat) texture.sampler.wrapU = texture.sampler.wrapV = TextureWrap::Clamp;
         return texture;
     });
     return use;

@@ -38,26 +38,24 @@ std::vector<int> framesOnDisk(const std::string &pattern) {
     std::vector<int> frames;
     std::error_code error;
     for (fs::directory_iterator it(folder.empty() ? fs::path(".") : folder, error), end; !error && it != end; it.increment(error)) {
-        const std::string candidate = it->path().filename().string();
-        // Any run of digits may be the number; the pattern, filled in with it, decides.
-        for (std::size_t i = 0; i < candidate.size(); ++i) {
-            const bool startsRun = std::isdigit(static_cast<unsigned char>(candidate[i])) != 0 &&
-                                   (i == 0 || std::isdigit(static_cast<unsigned char>(candidate[i - 1])) == 0);
-            int frame = 0;
-            if (!startsRun || std::from_chars(candidate.data() + i, candidate.data() + candidate.size(), frame).ec != std::errc()) continue;
-            if (pathOfFrame(name, frame) != candidate) continue;
-            frames.push_back(frame);
-            break;
-        }
+        if (const std::optional<int> frame = frameOfPath(name, it->path().filename().string())) frames.push_back(*frame);
     }
     std::sort(frames.begin(), frames.end());
     return frames;
 }
 
-/// The name of an entry that has none: the file's stem without a frame pattern.
-std::string stemOf(const std::string &path) {
-    std::string stem = fs::path(hasFramePattern(path) ? pathOfFrame(path, 0) : path).stem().string();
-    if (hasFramePattern(path)) stem = stem.substr(0, stem.find_last_not_of("0123456789") + 1);
+/// A name with a frame pattern is that of a sequence unless there is a file of that very name.
+bool isSequence(const LoadContext &context, const std::string &path) {
+    std::error_code ignored;
+    return hasFramePattern(path) && !fs::is_regular_file(resolvedPath(context, path), ignored);
+}
+
+/// The name of an entry that has none: the file's stem, of a sequence without its number.
+std::string stemOf(const LoadContext &context, const std::string &file) {
+    const bool sequence = isSequence(context, file);
+    const std::string path = resolvedPath(context, file);
+    std::string stem = fs::path(sequence ? pathOfFrame(path, 0) : path).stem().string();
+    if (sequence) stem = stem.substr(0, stem.find_last_not_of("0123456789") + 1);
     while (stem.size() > 1 && (stem.back() == '.' || stem.back() == '_' || stem.back() == '-')) stem.pop_back();
     return stem.empty() ? "mesh" : stem;
 }
@@ -110,13 +108,12 @@ void loadSurfaceModel(TableReader &table, Object &object) {
 
 void addGltf(LoadContext &context, TableReader &table, const TomlValue &file, Object common) {
     const std::shared_ptr<const GltfFile> gltf = gltfFile(context, filePath(context, file));
-    const RigMotion motion = loadGltfMotion(table, gltf);
-    const TomlValue *material = table.find("material");
+    const RigMotion motion = loadGltfMotion(context, table, gltf);
     bool lights = true;
     table.read("lights", lights);
-    table.finish();
     if (lights) addGltfLights(context, *gltf, motion, common.placement);
-    addGltfObjects(context, common, gltf, motion, material, file.where);
+    addGltfObjects(context, common, gltf, motion, table, file.where);
+    table.finish();
 }
 
 /// A point cache that fits the mesh.
@@ -135,7 +132,7 @@ void addMesh(LoadContext &context, TableReader &table, const TomlValue &file, Ob
     std::string path;
     std::string pattern;
     std::vector<int> frames;
-    if (hasFramePattern(file.text)) {
+    if (isSequence(context, file.text)) {
         pattern = resolvedPath(context, file.text);
         frames = framesOnDisk(pattern);
         if (frames.empty())
@@ -181,10 +178,10 @@ void loadMeshes(LoadContext &context, const TomlValue &section) {
         TableReader table(entry, "[[mesh]]",
                           {"file",       "name",       "material", "subdivision",   "smooth", "follow", "rest",   "translate",
                            "rotate_deg", "scale",      "up",       "clip",          "loop",   "lights", "deform", "scheme",
-                           "boundary",   "crease_deg", "gradient", "interpolation", "lean",   "cache"});
+                           "boundary",   "crease_deg", "gradient", "interpolation", "lean",   "cache",  "variant"});
         const TomlValue &file = table.required("file", "file = \"mesh.obj\"");
         Object object;
-        object.name = stemOf(toText(file));
+        object.name = stemOf(context, toText(file));
         table.read("name", object.name);
         loadSurfaceModel(table, object);
         table.read("smooth", object.smooth);

@@ -4,10 +4,13 @@
 #include "taut/formats/read_mesh.h"
 #include "taut/mesh/winding.h"
 #include "taut/scene/check_scene.h"
+#include "taut/scene/emission_reach.h"
 #include "taut/scene/load_context.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <numeric>
 
 namespace taut {
 
@@ -55,9 +58,26 @@ void warnOfTurnedNormals(LoadContext &context) {
     }
 }
 
-bool isLit(const Scene &scene) {
-    return scene.environment || !scene.lights.empty() ||
-           std::any_of(scene.objects.begin(), scene.objects.end(), [](const Object &object) { return object.emission.value != Vec3(0); });
+/// More frames than anyone renders.
+constexpr double kMostClipFrames = 1e6;
+
+bool isLit(const Scene &scene, bool meshLights) {
+    return scene.environment || !scene.lights.empty() || meshLights || emissionLights(scene);
+}
+
+/// The frames of the longest clip that plays: as many as its seconds hold.
+void setClipFrames(const TomlValue &asked, Scene &scene) {
+    double seconds = -1;
+    const auto lengthen = [&](const std::optional<RigMotion> &rig) {
+        if (const Clip *clip = rig ? clipOf(*rig) : nullptr) seconds = std::max(seconds, static_cast<double>(clip->duration));
+    };
+    for (const Object &object : scene.objects) lengthen(object.rig);
+    lengthen(scene.camera.rig);
+    if (seconds < 0) failInput(asked.where, "'clip', but no clip plays", "frames such as 1-48");
+    const double count = std::max(1.0, std::ceil(seconds * scene.render.fps - 1e-6));
+    if (count > kMostClipFrames) failInput(asked.where, "a clip of " + formatNumber(seconds) + " s", "a shorter one");
+    scene.render.frames.resize(static_cast<std::size_t>(count));
+    std::iota(scene.render.frames.begin(), scene.render.frames.end(), 1);
 }
 
 } // namespace
@@ -70,13 +90,14 @@ Scene loadScene(const std::string &path, const std::vector<std::string> &overrid
     context.folder = std::filesystem::path(path).parent_path().string();
     context.scene.path = path;
     TableReader table(root, "with the sections of a scene", {"render", "camera", "environment", "light", "material", "mesh"});
-    if (const TomlValue *section = table.find("render")) loadRender(*section, context.scene.render);
+    if (const TomlValue *section = table.find("render")) loadRender(context, *section);
     if (const TomlValue *section = table.find("material")) loadMaterials(context, *section);
     if (const TomlValue *section = table.find("mesh")) loadMeshes(context, *section);
     if (const TomlValue *section = table.find("light")) loadLights(context, *section);
     if (const TomlValue *section = table.find("environment")) loadEnvironment(context, *section);
-    if (!isLit(context.scene)) context.scene.environment = studioEnvironment();
+    if (!isLit(context.scene, context.meshLights)) context.scene.environment = studioEnvironment();
     loadCamera(context, table.find("camera"), isGltfPath(path) ? path : "");
+    if (context.wholeClip != nullptr) setClipFrames(*context.wholeClip, context.scene);
     for (const Object &object : context.scene.objects)
         if (object.subdivision.level > 0 && !object.mesh->storedM.empty())
             context.warnings.add("mesh " + quoted(object.name) + ": its stored M is left out under subdivision");

@@ -7,7 +7,12 @@ namespace taut {
 
 namespace {
 
-std::vector<int> toFrames(const TomlValue &value) {
+/// "clip" is what its objects say, once they are there (setClipFrames).
+std::vector<int> toFrames(LoadContext &context, const TomlValue &value) {
+    if (value.kind == TomlValue::Kind::String && value.text == "clip") {
+        context.wholeClip = &value;
+        return {1};
+    }
     if (value.kind == TomlValue::Kind::Integer) return {static_cast<int>(toInteger(value, kFrameNumber))};
     return parseFrameSet(toText(value), value.where);
 }
@@ -16,37 +21,40 @@ std::vector<int> toFrames(const TomlValue &value) {
 Index cameraNode(const GltfFile &file, const TomlValue *name, const Location &where) {
     if (name == nullptr) {
         const Index first = firstCameraNode(file);
-        if (first == kNone) failInput(where, "no perspective camera in " + file.path, "a glTF file with one");
+        if (first == kNone) failInput(where, "no camera in " + file.path, "a glTF file with one");
         return first;
     }
     std::vector<std::string_view> names;
     for (const Index index : file.sceneNodes) {
         const Index camera = file.attached[index].camera;
-        if (camera == kNone || !file.cameras[camera].perspective) continue;
+        if (camera == kNone) continue;
         const std::string &nodeName = file.rig.nodes[index].name;
         if (nodeName == toText(*name)) return index;
         names.push_back(nodeName);
     }
-    if (names.empty()) failInput(name->where, quoted(name->text), "a perspective camera's node, but " + file.path + " has none");
+    if (names.empty()) failInput(name->where, quoted(name->text), "a camera's node, but " + file.path + " has none");
     failUnknownName(name->where, name->text, names);
 }
 
 void setGltfCamera(Camera &camera, const GltfFile &file, RigMotion motion, Index node) {
     motion.node = node;
-    camera.fovY = Keyed<double>(static_cast<double>(file.cameras[file.attached[node].camera].yFov));
+    const GltfCamera &lens = file.cameras[file.attached[node].camera];
+    camera.fovY = Keyed<double>(static_cast<double>(lens.yFov));
+    if (!lens.perspective) camera.orthoHeight = Keyed<double>(2 * static_cast<double>(lens.yMag));
     camera.rig = std::move(motion);
 }
 
 } // namespace
 
-void loadRender(const TomlValue &section, RenderSettings &render) {
+void loadRender(LoadContext &context, const TomlValue &section) {
+    RenderSettings &render = context.scene.render;
     TableReader table(section, "[render]",
                       {"width", "height", "spp", "max_events", "frames", "fps", "seed", "fixed_seed", "filter", "shutter", "motion_steps"});
     table.read("width", render.width, integerIn(kImageSide));
     table.read("height", render.height, integerIn(kImageSide));
     table.read("spp", render.spp, integerIn(kSpp));
     table.read("max_events", render.maxEvents, integerIn(kMaxEvents));
-    table.read("frames", render.frames, toFrames);
+    table.read("frames", render.frames, [&](const TomlValue &value) { return toFrames(context, value); });
     table.read("fps", render.fps, numberIn(kFps));
     table.read("seed", render.seed, integerIn(kSeed));
     table.read("fixed_seed", render.fixedSeed);
@@ -68,7 +76,7 @@ void loadEnvironment(LoadContext &context, const TomlValue &section) {
     table.read("camera_visible", cameraVisible);
     Environment environment;
     if (const TomlValue *file = table.find("file")) {
-        environment = readEnvironment(filePath(context, *file), rotation, Vec3(scale));
+        environment = readEnvironment(filePath(context, *file), rotation, Vec3(scale), context.warnings);
     } else if (const TomlValue *radiance = table.find("radiance")) {
         environment = constantEnvironment(Vec3(toTriple(*radiance, kNotNegative) * scale));
     } else {
@@ -87,8 +95,8 @@ void loadEnvironment(LoadContext &context, const TomlValue &section) {
 void loadCamera(LoadContext &context, const TomlValue *section, const std::string &fallbackGltf) {
     const TomlValue none;
     TableReader table(section != nullptr ? *section : none, "[camera]",
-                      {"position", "look_at", "up", "fov_deg", "aperture_radius", "focus_distance", "gltf", "node", "clip", "loop",
-                       "translate", "rotate_deg", "scale"});
+                      {"position", "look_at", "up", "fov_deg", "ortho_height", "aperture_radius", "focus_distance", "gltf", "node", "clip",
+                       "loop", "translate", "rotate_deg", "scale"});
     Camera &camera = context.scene.camera;
     table.exclusive("gltf", "position");
     table.exclusive("gltf", "look_at");
@@ -97,19 +105,20 @@ void loadCamera(LoadContext &context, const TomlValue *section, const std::strin
     if (const TomlValue *path = table.find("gltf")) {
         const std::shared_ptr<const GltfFile> file = gltfFile(context, filePath(context, *path));
         const Index node = cameraNode(*file, table.find("node"), path->where);
-        setGltfCamera(camera, *file, loadGltfMotion(table, file), node);
+        setGltfCamera(camera, *file, loadGltfMotion(context, table, file), node);
         camera.placement = loadPlacement(table, true);
     } else if (!aimed && !fallbackGltf.empty()) {
         TableReader nothing(none, "", {});
         const std::shared_ptr<const GltfFile> file = gltfFile(context, fallbackGltf);
         const Index node = firstCameraNode(*file);
         if (node != kNone)
-            setGltfCamera(camera, *file, loadGltfMotion(nothing, file), node);
+            setGltfCamera(camera, *file, loadGltfMotion(context, nothing, file), node);
         else if (!file->cameras.empty())
-            context.warnings.add(fallbackGltf + ": has no perspective camera in its scene; the view is framed instead");
+            context.warnings.add(fallbackGltf + ": has no camera in its scene; the view is framed instead");
         camera.placement = loadPlacement(nothing, true);
     }
     table.read("fov_deg", camera.fovY, keyedNumberIn(kFieldOfView, radians(1)));
+    table.read("ortho_height", camera.orthoHeight, keyedNumberIn(kNotNegative));
     table.read("aperture_radius", camera.apertureRadius, keyedNumberIn(kNotNegative));
     table.read("focus_distance", camera.focusDistance, keyedNumberIn(kNotNegative));
     if (!camera.rig) {

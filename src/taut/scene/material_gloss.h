@@ -7,23 +7,23 @@
 
 namespace taut {
 
-inline float evaluate(const FloatParam &param, const Scene &scene, const Vec2 &uv) {
+inline float evaluate(const FloatParam &param, const Scene &scene, const UvPoint &uv) {
     return param.texture == kNone ? param.value : param.value * lookup(scene.textures[param.texture], uv)[param.channel];
 }
-inline Vec3 evaluate(const ColorParam &param, const Scene &scene, const Vec2 &uv) {
+inline Vec3 evaluate(const ColorParam &param, const Scene &scene, const UvPoint &uv) {
     return param.texture == kNone ? param.value : param.value * Vec3(lookup(scene.textures[param.texture], uv));
 }
 
 /// Of what reflects or passes a share of the light: what a texture says beyond that is held at none and all.
-template <class Param, class Uv> auto evaluateShare(const Param &param, const Scene &scene, const Uv &uv) {
+template <class Param> auto evaluateShare(const Param &param, const Scene &scene, const UvPoint &uv) {
     const auto value = evaluate(param, scene, uv);
     return glm::clamp(value, decltype(value)(0), decltype(value)(1));
 }
 
-/// Share of the surface that is there.
-template <class Uv> float opacityOf(const Material &material, const Scene &scene, const Uv &uv) {
+/// Share of the surface that is there; `own`: alpha of the mesh's own colour.
+inline float opacityOf(const Material &material, const Scene &scene, const UvPoint &uv, float own = 1) {
     if (material.alphaMode == AlphaMode::Opaque) return 1;
-    const float opacity = evaluateShare(material.opacity, scene, uv);
+    const float opacity = evaluateShare(material.opacity, scene, uv) * own;
     if (material.alphaMode == AlphaMode::Blend) return opacity;
     return opacity >= material.alphaCutoff ? 1.0F : 0.0F;
 }
@@ -33,7 +33,7 @@ struct RestRoughness {
     float alphaX, alphaY, rotation;
 };
 
-inline RestRoughness restRoughness(const Material &material, const Scene &scene, const Vec2 &uv) {
+inline RestRoughness restRoughness(const Material &material, const Scene &scene, const UvPoint &uv) {
     RestRoughness r{evaluate(material.alphaX, scene, uv), evaluate(material.alphaY, scene, uv), evaluate(material.rotation, scene, uv)};
     if (material.alphaIsRoughness) {
         r.alphaX *= r.alphaX;

@@ -29,13 +29,17 @@ struct ObjectSurface {
     [[nodiscard]] const Mesh &mesh() const { return subdivision ? subdivision->mesh : *object->mesh; }
 };
 
+/// The material slot of a triangle.
+inline Index slotOfTriangle(const ObjectSurface &object, Index triangle) {
+    return object.surface.triangleSlots.empty() ? 0 : object.surface.triangleSlots[triangle];
+}
+
 /// The material of a triangle, an index into Scene::materials: by its slot, or the object's last one; the scene's first where the object
 /// has none.
 inline Index materialOfTriangle(const ObjectSurface &object, Index triangle) {
     const std::vector<Index> &materials = object.object->materials;
     if (materials.empty()) return 0;
-    const Index slot = object.surface.triangleSlots.empty() ? 0 : object.surface.triangleSlots[triangle];
-    return materials[std::min<std::size_t>(slot, materials.size() - 1)];
+    return materials[std::min<std::size_t>(slotOfTriangle(object, triangle), materials.size() - 1)];
 }
 
 /// What an object uses where neither its file nor a plan says: Limit under subdivision, else Analytic.

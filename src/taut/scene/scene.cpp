@@ -60,7 +60,8 @@ DMat3 placementRest(const Placement &placement) {
 CameraState cameraAtFrame(const Camera &camera, double frame, double fps) {
     CameraState state;
     state.fovY = camera.fovY.at(frame);
-    state.apertureRadius = camera.apertureRadius.at(frame);
+    state.orthoHeight = camera.orthoHeight.at(frame);
+    state.apertureRadius = state.orthoHeight > 0 ? 0 : camera.apertureRadius.at(frame);
     state.focusDistance = camera.focusDistance.at(frame);
     if (camera.rig) {
         const RigMotion &motion = *camera.rig;
@@ -77,13 +78,15 @@ CameraState cameraAtFrame(const Camera &camera, double frame, double fps) {
 }
 
 const Clip *clipOf(const RigMotion &motion) {
+    if (motion.together) return motion.together.get();
     return motion.clip == kNone ? nullptr : &motion.rig->clips[motion.clip];
 }
 
 double clipTime(const RigMotion &motion, double frame, double fps) {
     const double seconds = (frame - 1) / fps;
-    if (!motion.loop || motion.clip == kNone) return seconds;
-    const double duration = motion.rig->clips[motion.clip].duration;
+    const Clip *clip = clipOf(motion);
+    if (!motion.loop || clip == nullptr) return seconds;
+    const double duration = clip->duration;
     if (!(duration > 0)) return seconds;
     return seconds - duration * std::floor(seconds / duration);
 }

@@ -16,6 +16,7 @@
 #include "taut/scene/material.h"
 #include "taut/scene/texture.h"
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <string>
@@ -42,6 +43,7 @@ struct RigMotion {
     Index node = kNone;                                             ///< the node that holds the mesh
     Index clip = kNone;                                             ///< into rig->clips; kNone: nodes as stored
     bool loop = false;                                              ///< repeat the clip; false: hold its ends
+    std::shared_ptr<const Clip> together{};                         ///< takes the place of `clip`: several of the rig's, as one
     std::shared_ptr<RigPoses> poses = std::make_shared<RigPoses>(); ///< evaluated so far; shared by copies, so by a file's objects
 };
 /// The clip that a motion plays; null: none.
@@ -58,6 +60,12 @@ inline constexpr int kUnplannedLevel = 3;
 struct RestState {
     bool bind = true; ///< undeformed mesh or bind pose; else the shape at `frame`
     double frame = 0;
+};
+
+/// What shines.
+struct Emission {
+    ColorParam radiance{Vec3(0)}; ///< of the outward side, W / (m^2 sr)
+    bool twoSided = false;
 };
 
 /// One mesh with its materials and motion.
@@ -79,14 +87,29 @@ struct Object {
     RestState rest;
     ColorParam emission{Vec3(0)}; ///< radiance of the outward side, W / (m^2 sr); non-zero makes the object a light
     bool emissionTwoSided = false;
+    std::vector<Emission>
+        slotEmission; ///< [materials] where material slots shine each for itself, in the place of `emission`; may be empty
 };
 
-/// Thin lens camera; aperture radius 0 is a pinhole. Looks along its local -z, y up.
+/// What a material slot of an object emits.
+inline Emission emissionOf(const Object &object, Index slot) {
+    if (object.slotEmission.empty()) return {object.emission, object.emissionTwoSided};
+    return object.slotEmission[std::min<std::size_t>(slot, object.slotEmission.size() - 1)];
+}
+/// Whether any part of an object shines.
+inline bool emits(const Object &object) {
+    const auto shines = [](const Emission &e) { return e.radiance.value != Vec3(0); };
+    return object.slotEmission.empty() ? object.emission.value != Vec3(0)
+                                       : std::any_of(object.slotEmission.begin(), object.slotEmission.end(), shines);
+}
+
+/// Thin lens camera; aperture radius 0 is a pinhole. Or an orthographic one, which has no lens. Looks along its local -z, y up.
 struct Camera {
     Keyed<DVec3> position{DVec3(0, -3, 0)};
     Keyed<DVec3> lookAt{DVec3(0)};
     Keyed<DVec3> up{DVec3(0, 0, 1)};
     Keyed<double> fovY{0.69813};       ///< vertical, radians
+    Keyed<double> orthoHeight{0.0};    ///< metres; above 0: parallel rays, which see so much from the lower edge to the upper
     Keyed<double> apertureRadius{0.0}; ///< metres
     Keyed<double> focusDistance{0.0};  ///< metres; 0: the distance to look_at
     std::optional<RigMotion> rig;      ///< a node to look along -z from, placed by `placement`; replaces position/lookAt/up
@@ -96,6 +119,7 @@ struct Camera {
 struct CameraState {
     DMat4 worldFromCamera{1}; ///< orthonormal columns and a translation
     double fovY = 0.7;
+    double orthoHeight = 0;
     double apertureRadius = 0;
     double focusDistance = 1;
 };
@@ -115,8 +139,18 @@ struct RenderSettings {
     bool boxFilter = false; ///< false: Blackman-Harris of radius 1.5 pixels, importance sampled
 };
 
+/// What a glTF file of a scene holds, for those who ask.
+struct SceneFile {
+    std::string path;
+    std::vector<std::pair<std::string, double>> clips; ///< names, seconds
+    std::vector<std::string> cameras, lights;          ///< names of their nodes
+    std::vector<std::string> variants;                 ///< names
+    std::string leftOut;                               ///< what is used and the picture does not show, with counts
+};
+
 struct Scene {
     std::string path;
+    std::vector<SceneFile> files; ///< in the order of their reading
     RenderSettings render;
     Camera camera;
     std::optional<Environment> environment;

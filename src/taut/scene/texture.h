@@ -1,15 +1,38 @@
 #pragma once
-/// Textures: images read through OpenImageIO, held in memory as linear values, looked up bilinearly.
+/// Textures: images read through OpenImageIO, held in memory as linear values, looked up as their samplers say.
 
 #include "taut/base/error.h"
 #include "taut/base/vec.h"
+#include "taut/formats/texture_sampler.h"
 
+#include <initializer_list>
+#include <memory>
 #include <string>
 #include <vector>
 
 namespace taut {
 
-enum class ColorSpace { Linear, Srgb, Auto }; ///< Auto: 8-bit images are sRGB, others linear
+/// Auto: PNG, JPEG, WebP, TGA and BMP are sRGB at any depth (a PNG whose gamma is 1 is linear), 8-bit TIFF too; others are linear.
+enum class ColorSpace { Linear, Srgb, Auto };
+
+/// An array that copies share: textures of one image with other samplers cost no memory. Never changed once it is shared.
+class SharedTexels {
+  public:
+    SharedTexels() = default;
+    SharedTexels(std::vector<float> values) : owner_(std::make_shared<const std::vector<float>>(std::move(values))) {
+        data_ = owner_->data();
+    }
+    SharedTexels(std::initializer_list<float> values) : SharedTexels(std::vector<float>(values)) {}
+
+    [[nodiscard]] std::size_t size() const { return owner_ ? owner_->size() : 0; }
+    [[nodiscard]] const float *begin() const { return data_; }
+    [[nodiscard]] const float *end() const { return data_ + size(); }
+    const float &operator[](std::size_t i) const { return data_[i]; }
+
+  private:
+    std::shared_ptr<const std::vector<float>> owner_;
+    const float *data_ = nullptr; // one step less at each lookup
+};
 
 /// Texels in rows from the TOP, `channels` floats each (1, 3 or 4), scene-linear.
 struct Texture {
@@ -17,20 +40,38 @@ struct Texture {
     int width = 1;
     int height = 1;
     int channels = 3;
-    bool repeatU = true;
-    bool repeatV = true;
-    std::vector<float> texels;
+    SharedTexels texels;
+    TextureSampler sampler;
 };
 
-/// Reads an image file: PNG, JPEG, OpenEXR, Radiance HDR or TIFF, told apart by its first bytes. Alpha is never decoded and
-/// colours are not multiplied by it. Throws InputError (with OpenImageIO's reason) where it can't be read, is empty, larger
-/// than 32768 texels a side or 2^28 in all, or holds values that are not finite.
-Texture readTexture(const std::string &path, ColorSpace space);
+/// Texture coordinates at a point of a mesh, which may have two sets of them.
+struct UvPoint {
+    Vec2 first{0};
+    Vec2 second{0};
+    UvPoint() = default;
+    UvPoint(const Vec2 &uv) : first(uv) {}
+    [[nodiscard]] const Vec2 &set(int number) const { return number == 1 ? second : first; }
+};
+
+/// Reads an image file: PNG, JPEG, OpenEXR, Radiance HDR, TIFF, WebP or BMP, told apart by its first bytes, or TGA, by its name. Alpha
+/// is never decoded and colours are not multiplied by it. Of an OpenEXR file: the display window of the part with R, G and B. Values
+/// that are not finite are held (not a number at 0, infinite at the greatest finite value) and counted in a warning. Throws
+/// InputError (with OpenImageIO's reason) where it can't be read, ends early, is empty, larger than 32768 texels a side or 2^28 in
+/// all, or where more than a quarter of the texels would be held.
+Texture readTexture(const std::string &path, ColorSpace space, Warnings &warnings);
 
 /// Reads an image file held in memory (glTF buffer views); `name` is used in errors.
-Texture readTextureFromMemory(const std::string &name, const std::vector<unsigned char> &bytes, ColorSpace space);
+Texture readTextureFromMemory(const std::string &name, const std::vector<unsigned char> &bytes, ColorSpace space, Warnings &warnings);
 
-/// Bilinear lookup at uv (v up: (0, 0) is the lower left corner). Missing channels repeat the first (grey) and alpha is 1.
+/// Reads a map of radiance: as readTexture with ColorSpace::Auto, and negative values are held at 0 and counted likewise.
+Texture readRadiance(const std::string &path, Warnings &warnings);
+
+/// The texture at uv (v up: (0, 0) is the lower left corner), which its sampler moves and filters. Missing channels repeat the first
+/// (grey) and alpha is 1.
 Vec4 lookup(const Texture &texture, const Vec2 &uv);
+/// At the set of UVs that the sampler reads.
+inline Vec4 lookup(const Texture &texture, const UvPoint &point) {
+    return lookup(texture, point.set(texture.sampler.uvSet));
+}
 
 } // namespace taut

@@ -1,6 +1,7 @@
 #include "taut/scene/toml_value.h"
 
 #include "taut/base/file_bytes.h"
+#include "taut/scene/toml_depth.h"
 
 #include <toml++/toml.h>
 
@@ -12,8 +13,6 @@ namespace taut {
 
 namespace {
 
-/// toml++ limits the nesting of arrays and tables but not of dotted keys, whose tables it frees recursively.
-constexpr int kDeepestKey = 32;
 /// Tables and arrays within one another; what walks the tree does so recursively.
 constexpr int kDeepestValue = 64;
 
@@ -67,19 +66,19 @@ TomlValue convert(const toml::node &node, const std::string &file, int depth) {
     return out;
 }
 
-/// Refuses keys of hundreds of dotted parts. Counts the dots after something that can end a key part, since the last
-/// character that can't be within a dotted key.
-void checkKeyDepth(std::string_view text, const std::string &file) {
-    int line = 1;
-    int dots = 0;
-    char previous = '.';
-    for (const char c : text) {
-        if (c == '\n') ++line;
-        if (std::string_view("=,[]{}\n").find(c) != std::string_view::npos) dots = 0;
-        if (c == '.' && previous != '.' && ++dots > kDeepestKey)
-            failInput({file, line, 0, -1}, "a key of more than " + std::to_string(kDeepestKey) + " dotted parts", "fewer");
-        if (c != ' ' && c != '\t') previous = c;
-    }
+/// toml++ counts arrays within one another but frees the tables of dotted keys recursively, however many they are.
+void checkDepth(std::string_view text, const std::string &file) {
+    if (const auto place = placeDeeperThan(text, kDeepestValue))
+        failInput({file, place->line, place->column, -1}, "keys and values nested more than " + std::to_string(kDeepestValue) + " deep",
+                  "at most " + std::to_string(kDeepestValue));
+}
+
+/// TOML knows no CR alone, anywhere: where it stands it ends a line as an old program wrote it.
+std::string withLineFeeds(std::string_view text) {
+    std::string out(text);
+    for (std::size_t i = 0; i < out.size(); ++i)
+        if (out[i] == '\r' && out.compare(i, 2, "\r\n") != 0) out[i] = '\n';
+    return out;
 }
 
 /// Gives a whole tree one location: what an override says has no line in the file.
@@ -152,9 +151,10 @@ TomlValue *TomlValue::find(std::string_view key) {
 }
 
 TomlValue parseToml(std::string_view text, const std::string &file) {
-    checkKeyDepth(text, file);
+    const std::string lines = withLineFeeds(text.substr(sizeOfByteOrderMark(text)));
+    checkDepth(lines, file);
     try {
-        return convert(toml::parse(text, std::string_view(file)), file, 0);
+        return convert(toml::parse(lines, std::string_view(file)), file, 0);
     } catch (const toml::parse_error &error) {
         throw InputError(locationOf(error.source().begin, file).text() + ": found text that is not TOML (" +
                          std::string(error.description()) + "), expected a scene file");

@@ -1,0 +1,256 @@
+/// glTF 2.0, section 3.7: vertex attributes, joint sets, morph targets and triangles of one primitive.
+
+#include "taut/formats/gltf_primitive.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace taut {
+
+namespace {
+
+template <class V> std::vector<V> readVectors(const GltfSource &source, const GltfValue &reference) {
+    const std::vector<float> values = accessorFloats(source, reference, V::length());
+    std::vector<V> vectors(values.size() / static_cast<std::size_t>(V::length()));
+    for (std::size_t i = 0; i < vectors.size(); ++i)
+        for (int c = 0; c < V::length(); ++c)
+            vectors[i][c] = values[i * static_cast<std::size_t>(V::length()) + static_cast<std::size_t>(c)];
+    return vectors;
+}
+
+void checkVertexCount(const GltfValue &reference, std::size_t found, std::size_t positions) {
+    if (found != positions) reference.fail(std::to_string(found) + " elements", std::to_string(positions) + ", the count of POSITION");
+}
+
+/// An optional vertex attribute; empty where the primitive lacks it.
+template <class V> std::vector<V> readAttribute(const GltfPrimitive &primitive, std::string_view attribute, std::size_t positions) {
+    const GltfValue reference = primitive.attributes[attribute];
+    if (!reference.present()) return {};
+    std::vector<V> values = readVectors<V>(primitive.source, reference);
+    checkVertexCount(reference, values.size(), positions);
+    return values;
+}
+
+/// The accessor that an attribute names, whose index has been checked.
+GltfValue accessorOf(const GltfSource &source, const GltfValue &reference) {
+    const GltfValue accessors = source["accessors"];
+    return accessors[reference.index(accessors.size(), "accessors")];
+}
+
+constexpr long long kUnsignedByte = 5121;
+constexpr long long kUnsignedShort = 5123;
+
+/// Indices that the format keeps for restarting a primitive: the greatest of their type (section 3.7.2.1).
+Index restartValue(long long componentType) {
+    if (componentType == kUnsignedByte) return std::numeric_limits<std::uint8_t>::max();
+    if (componentType == kUnsignedShort) return std::numeric_limits<std::uint16_t>::max();
+    return std::numeric_limits<Index>::max();
+}
+
+std::vector<Index> readIndices(const GltfPrimitive &primitive, std::size_t positions) {
+    const GltfValue reference = primitive.gltf["indices"];
+    std::vector<Index> indices;
+    if (!reference.present()) {
+        indices.resize(positions);
+        for (std::size_t i = 0; i < positions; ++i) indices[i] = static_cast<Index>(i);
+        return indices;
+    }
+    indices = accessorIndices(primitive.source, reference, 1);
+    const Index restart = restartValue(accessorOf(primitive.source, reference)["componentType"].integer(0));
+    for (std::size_t i = 0; i < indices.size(); ++i) {
+        if (indices[i] == restart)
+            reference.fail("vertex index " + std::to_string(indices[i]) + " at place " + std::to_string(i) +
+                               ", the value of primitive restart",
+                           "indices below it");
+        if (indices[i] >= positions)
+            reference.fail("vertex index " + std::to_string(indices[i]) + " at place " + std::to_string(i),
+                           "0 to " + std::to_string(positions - 1));
+    }
+    return indices;
+}
+
+/// COLOR_0: three or four components, floats or normalised integers; linear, at most 1.
+std::vector<Vec4> readColors(const GltfPrimitive &primitive, std::size_t positions) {
+    const GltfValue reference = primitive.attributes["COLOR_0"];
+    if (!reference.present()) return {};
+    const GltfValue accessor = accessorOf(primitive.source, reference);
+    std::vector<Vec4> colors;
+    if (accessor["type"].text() == "VEC3")
+        for (const Vec3 &color : readVectors<Vec3>(primitive.source, reference)) colors.emplace_back(color, 1);
+    else
+        colors = readVectors<Vec4>(primitive.source, reference);
+    checkVertexCount(reference, colors.size(), positions);
+    std::size_t outside = 0;
+    for (Vec4 &color : colors) {
+        const Vec4 held = glm::clamp(color, Vec4(0), Vec4(1));
+        outside += held != color ? 1 : 0;
+        color = held;
+    }
+    if (outside != 0)
+        primitive.warnings.add(reference.place() + ": " + std::to_string(outside) + " of " + std::to_string(positions) +
+                               " colours are outside 0 to 1 and held there");
+    return colors;
+}
+
+/// Corners of the triangles of a list, strip or fan; glTF 2.0, section 3.7.2.1 gives the order.
+std::vector<Index> triangleCorners(const GltfPrimitive &primitive, std::vector<Index> indices) {
+    const bool isList = primitive.mode == kGltfTriangles;
+    if (indices.size() < 3 || (isList && indices.size() % 3 != 0))
+        primitive.gltf.fail(std::to_string(indices.size()) + (primitive.gltf.has("indices") ? " indices" : " vertices"),
+                            isList ? "a multiple of three, at least three" : "at least three");
+    if (isList) return indices;
+    std::vector<Index> corners;
+    corners.reserve((indices.size() - 2) * 3);
+    for (std::size_t i = 0; i + 2 < indices.size(); ++i) {
+        const std::array<std::size_t, 3> strip{i, i + 1 + i % 2, i + 2 - i % 2};
+        const std::array<std::size_t, 3> fan{i + 1, i + 2, 0};
+        for (const std::size_t place : primitive.mode == kGltfStrip ? strip : fan) corners.push_back(indices[place]);
+    }
+    return corners;
+}
+
+// --- skin weights ----------------------------------------------------------------------------------------------------
+
+/// One pair of JOINTS_n and WEIGHTS_n: four influences a vertex.
+struct InfluenceSet {
+    std::vector<Index> joints;
+    std::vector<float> weights;
+};
+
+std::vector<InfluenceSet> readInfluenceSets(const GltfPrimitive &primitive, std::size_t positions) {
+    std::vector<InfluenceSet> sets;
+    while (true) {
+        const std::string number = std::to_string(sets.size());
+        const GltfValue joints = primitive.attributes["JOINTS_" + number];
+        const GltfValue weights = primitive.attributes["WEIGHTS_" + number];
+        if (!joints.present() && !weights.present()) return sets;
+        if (!joints.present() || !weights.present())
+            primitive.attributes.fail("no " + std::string(joints.present() ? "WEIGHTS_" : "JOINTS_") + number,
+                                      "JOINTS_n and WEIGHTS_n in pairs");
+        InfluenceSet set;
+        set.joints = accessorIndices(primitive.source, joints, 4);
+        set.weights = accessorFloats(primitive.source, weights, 4);
+        checkVertexCount(joints, set.joints.size() / 4, positions);
+        checkVertexCount(weights, set.weights.size() / 4, positions);
+        for (std::size_t i = 0; i < set.weights.size(); ++i)
+            if (set.weights[i] < 0)
+                weights.fail("weight " + std::to_string(set.weights[i]) + " in element " + std::to_string(i / 4), "weights from 0 to 1");
+        sets.push_back(std::move(set));
+    }
+}
+
+SkinWeights readSkinWeights(const GltfPrimitive &primitive, std::size_t positions) {
+    const std::vector<InfluenceSet> sets = readInfluenceSets(primitive, positions);
+    SkinWeights skin;
+    if (sets.empty()) return skin;
+    std::size_t unweighted = 0;
+    std::size_t rescaled = 0;
+    skin.offsets.push_back(0);
+    for (std::size_t v = 0; v < positions; ++v) {
+        double sum = 0;
+        for (const InfluenceSet &set : sets)
+            for (std::size_t i = 4 * v; i < 4 * v + 4; ++i) sum += static_cast<double>(set.weights[i]);
+        for (const InfluenceSet &set : sets)
+            for (std::size_t i = 4 * v; i < 4 * v + 4; ++i) {
+                if (!(set.weights[i] > 0)) continue;
+                skin.joints.push_back(set.joints[i]);
+                skin.weights.push_back(static_cast<float>(static_cast<double>(set.weights[i]) / sum));
+            }
+        skin.offsets.push_back(static_cast<Index>(skin.joints.size()));
+        if (!(sum > 0))
+            ++unweighted;
+        else if (std::fabs(sum - 1) > 1e-2)
+            ++rescaled;
+    }
+    const std::string prefix = primitive.gltf.place() + " (" + taut::quoted(primitive.name) + "): ";
+    const std::string of = " of " + std::to_string(positions) + " vertices";
+    if (unweighted != 0) primitive.warnings.add(prefix + std::to_string(unweighted) + of + " have no skin weight and follow no joint");
+    if (rescaled != 0)
+        primitive.warnings.add(prefix + "the skin weights of " + std::to_string(rescaled) + of + " did not sum to 1 and were rescaled");
+    return skin;
+}
+
+// --- morph targets ---------------------------------------------------------------------------------------------------
+
+std::vector<MorphTarget> readMorphs(const GltfPrimitive &primitive, const std::vector<std::string> &names, std::size_t positions) {
+    const GltfValue targets = primitive.gltf["targets"];
+    std::vector<MorphTarget> morphs;
+    for (std::size_t t = 0; t < targets.size(); ++t) {
+        const GltfValue position = targets[t]["POSITION"];
+        for (const char *unused : {"NORMAL", "TANGENT", "TEXCOORD_0", "TEXCOORD_1", "COLOR_0"})
+            if (targets[t].has(unused)) primitive.leftOut.add("morph target " + std::string(unused));
+        MorphTarget morph;
+        morph.name = names[t];
+        if (position.present())
+            morph.positionDeltas = readVectors<Vec3>(primitive.source, position);
+        else
+            morph.positionDeltas.assign(positions, Vec3(0));
+        checkVertexCount(position, morph.positionDeltas.size(), positions);
+        morphs.push_back(std::move(morph));
+    }
+    return morphs;
+}
+
+// --- what `taut export` wrote ------------------------------------------------------------------------------------------
+
+/// M at every vertex, of a file that `taut export` wrote; empty where there is none, or no frame for it.
+std::vector<Vec3> readStoredM(const GltfPrimitive &primitive, std::size_t positions) {
+    const GltfValue stored = primitive.attributes["_TAUT_M"];
+    std::vector<Vec3> m = readAttribute<Vec3>(primitive, "_TAUT_M", positions);
+    for (std::size_t v = 0; v < m.size(); ++v)
+        if (!(m[v].x > 0 && m[v].z > 0))
+            stored.fail(std::to_string(m[v].x) + " and " + std::to_string(m[v].z) + " on the diagonal in element " + std::to_string(v),
+                        "numbers above 0");
+    if (m.empty()) return m;
+    if (!(primitive.attributes.has("NORMAL") && primitive.attributes.has("TANGENT"))) {
+        primitive.warnings.add(stored.place() + " is left out: it needs NORMAL and TANGENT");
+        return {};
+    }
+    const std::vector<Vec2> lean = readAttribute<Vec2>(primitive, "_TAUT_LEAN", positions);
+    if (std::any_of(lean.begin(), lean.end(), [](const Vec2 &l) { return l != Vec2(0); }))
+        primitive.warnings.add(primitive.attributes["_TAUT_LEAN"].place() + ": a stored M is taken as upright");
+    return m;
+}
+
+/// Counts the attributes that nothing reads.
+void tallyAttributes(const GltfPrimitive &primitive) {
+    const auto isRead = [](std::string_view name) {
+        for (const std::string_view known :
+             {"POSITION", "NORMAL", "TANGENT", "TEXCOORD_0", "TEXCOORD_1", "COLOR_0", "_TAUT_M", "_TAUT_LEAN"})
+            if (name == known) return true;
+        return name.substr(0, 7) == "JOINTS_" || name.substr(0, 8) == "WEIGHTS_" || name.substr(0, 6) == "_TAUT_";
+    };
+    for (const std::string &name : primitive.attributes.keys())
+        if (!isRead(name)) primitive.leftOut.add(name);
+}
+
+} // namespace
+
+Mesh readGltfVertices(const GltfPrimitive &primitive, const std::vector<std::string> &targetNames) {
+    Mesh mesh;
+    const GltfValue position = primitive.attributes["POSITION"];
+    if (!position.present()) primitive.attributes.fail("no POSITION", "'POSITION'");
+    mesh.positions = readVectors<Vec3>(primitive.source, position);
+    const std::size_t positions = mesh.positions.size();
+    mesh.normals = readAttribute<Vec3>(primitive, "NORMAL", positions);
+    mesh.tangents = readAttribute<Vec4>(primitive, "TANGENT", positions);
+    mesh.uvs = readAttribute<Vec2>(primitive, "TEXCOORD_0", positions);
+    mesh.uvs1 = readAttribute<Vec2>(primitive, "TEXCOORD_1", positions);
+    if (mesh.uvs.empty()) mesh.uvs = mesh.uvs1; // tangents follow the only set
+    for (std::vector<Vec2> *uvs : {&mesh.uvs, &mesh.uvs1})
+        for (Vec2 &uv : *uvs) uv.y = 1 - uv.y;
+    mesh.colors = readColors(primitive, positions);
+    mesh.storedM = readStoredM(primitive, positions);
+    mesh.morphs = readMorphs(primitive, targetNames, positions);
+    mesh.skin = readSkinWeights(primitive, positions);
+    tallyAttributes(primitive);
+    return mesh;
+}
+
+std::vector<Index> readGltfTriangles(const GltfPrimitive &primitive, std::size_t vertices) {
+    return triangleCorners(primitive, readIndices(primitive, vertices));
+}
+
+} // namespace taut
