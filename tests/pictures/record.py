@@ -206,7 +206,7 @@ def record_exports(taut, folder):
 
 def largest_difference(a, b):
     """Over all pixels and channels, |a - b| / max(|a|, 1e-6)."""
-    stats = run("oiiotool", a, b, "--absdiff", a, "--abs", "--maxc", "1e-6", "--div", "--stats")
+    stats = run("oiiotool", a, b, "--absdiff", a, "--abs", "--maxc", "1e-6", "--div", "--printstats")
     return max(float(x) for x in re.search(r"Stats Max: ([^(\n]*)", stats).group(1).split())
 
 
