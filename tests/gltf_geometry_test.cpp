@@ -87,6 +87,22 @@ TEST_CASE("case materials-meet: two materials are one surface", "[gltf][cases]")
     CHECK(surfaceSet(halves) == surfaceSet(whole));
 }
 
+TEST_CASE("case shared-vertices: primitives over one buffer have each of its vertices once", "[gltf][cases]") {
+    const auto path = caseFile("shared-vertices/s60000_200.glb");
+    if (!path) return;
+    const Scene scene = loadFile(*path);
+    std::set<const Mesh *> meshes;
+    std::size_t positions = 0;
+    std::size_t corners = 0;
+    for (const Object &object : scene.objects)
+        if (meshes.insert(object.mesh.get()).second) {
+            positions += object.mesh->positions.size();
+            corners += object.mesh->cornerCount();
+        }
+    CHECK(corners > 300000);
+    CHECK(positions < 70000); // once for each of 200 primitives: 12 million
+}
+
 TEST_CASE("a cube of six materials is the cube of one: limit surface, smooth normals, fitted gradients", "[gltf]") {
     const std::string folder = outputFolder("gltf_geometry");
     const std::vector<std::array<int, 4>> faces{{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
