@@ -5,6 +5,7 @@
 #include "assets.h"
 #include "command.h"
 #include "gltf_reference.h"
+#include "render_fixtures.h"
 
 #include "taut/scene/load_scene.h"
 #include "taut/scene/object_motion.h"
@@ -163,6 +164,58 @@ void compareWithReference(const std::string &path) {
               << kShares.size() << " times, largest error " << largest << " of the diagonal" << std::endl;
 }
 
+/// Largest distance from a corner (position in diagonals, normal) of one list to its nearest of the other.
+double farthestCorner(const std::vector<std::pair<DVec3, DVec3>> &from, const std::vector<std::pair<DVec3, DVec3>> &to) {
+    double largest = 0;
+    for (const auto &[position, normal] : from) {
+        double nearest = std::numeric_limits<double>::infinity();
+        for (const auto &[p, n] : to) nearest = std::min(nearest, glm::length(p - position) + glm::length(n - normal));
+        largest = std::max(largest, nearest);
+    }
+    return largest;
+}
+
+/// Normals of nodes without a skin, morphed ones included: where the file's vertices are, both ways.
+void compareNormals(const std::string &path) {
+    const Loaded loaded(path);
+    const GltfReference reference(path);
+    const double duration = static_cast<double>(loaded.rig().clips.front().duration);
+    double largest = 0;
+    double turned = 0;
+    for (const int node : reference.meshNodes()) {
+        const Object &ours = loaded.objectOf(nameOf(reference, node));
+        std::vector<std::pair<DVec3, DVec3>> start;
+        for (const double share : kShares) {
+            const double seconds = share * duration;
+            const SurfaceFrame surface = surfaceOf(ours, 1 + seconds * loaded.scene.render.fps, loaded.scene.render.fps);
+            std::vector<std::pair<DVec3, DVec3>> expected;
+            for (const auto &primitive : reference.primitives(node)) {
+                const std::vector<bool> used = reference.usedVertices(primitive);
+                const std::vector<DVec3> points = reference.positions(node, primitive, 0, seconds);
+                const std::vector<DVec3> normals = reference.normals(node, primitive, 0, seconds);
+                REQUIRE(normals.size() == points.size());
+                for (std::size_t v = 0; v < points.size(); ++v)
+                    if (used[v]) expected.emplace_back(points[v], normals[v]);
+            }
+            std::vector<std::pair<DVec3, DVec3>> found;
+            for (std::size_t v = 0; v < surface.normals.size(); ++v) {
+                const Vec3 &p = surface.positions[v];
+                const Vec3 &n = surface.normals[v];
+                found.emplace_back(DVec3(p.x, p.z, -p.y), DVec3(n.x, n.z, -n.y));
+            }
+            const double error = std::max(farthestCorner(found, expected), farthestCorner(expected, found));
+            INFO(path << ", " << ours.name << " at " << seconds << " s");
+            CHECK(error < 1e-4);
+            largest = std::max(largest, error);
+            if (start.empty()) start = expected;
+            for (std::size_t v = 0; v < expected.size(); ++v) turned = std::max(turned, glm::length(expected[v].second - start[v].second));
+        }
+    }
+    CHECK(turned > 0.1); // they did turn
+    std::cout << fs::path(path).filename().string() << ": normals against the specification in double, largest error " << largest
+              << std::endl;
+}
+
 std::string exact(double value) {
     char text[40];
     std::snprintf(text, sizeof(text), "%.17g", value);
@@ -225,6 +278,12 @@ TEST_CASE("positions agree with a double-precision evaluation of glTF at any tim
           "anim/khronos/CesiumMan.glb", "anim/khronos/BoxAnimated.glb", "anim/khronos/SimpleMorph.gltf",
           "anim/khronos/AnimatedMorphCube.glb", "anim/blender_io/03_skinned_cylinder/03_skinned_cylinder.gltf", "anim/kaykit/Knight.glb"})
         if (const auto path = asset(name)) compareWithReference(*path);
+}
+
+TEST_CASE("normals of nodes and morphs agree with a double-precision evaluation of glTF", "[gltf_reference][normals]") {
+    for (const char *name : {"anim/khronos/AnimatedMorphCube.glb", "anim/khronos/AnimatedMorphSphere.glb", "anim/khronos/BoxAnimated.glb",
+                             "anim/khronos/InterpolationTest.glb"})
+        if (const auto path = asset(name)) compareNormals(*path);
 }
 
 TEST_CASE("positions agree with Blender at key times", "[blender]") {

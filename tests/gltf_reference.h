@@ -95,6 +95,25 @@ class GltfReference {
         return out;
     }
 
+    /// Unit normals of all vertices of a primitive of a node without a skin, in the space of the scene; empty where it has none.
+    [[nodiscard]] std::vector<glm::dvec3> normals(int node, const Json &primitive, int animation, double seconds) const {
+        if (!primitive["attributes"].contains("NORMAL")) return {};
+        if (nodes()[at(node)].contains("skin")) throw std::runtime_error("normals of a skinned mesh");
+        std::vector<Element> sums = accessor(primitive["attributes"]["NORMAL"]);
+        const Element weights = morphWeights(node, animation, seconds);
+        const Json targets = primitive.value("targets", Json::array());
+        for (std::size_t t = 0; t < targets.size(); ++t) {
+            if (!targets[t].contains("NORMAL")) continue;
+            const std::vector<Element> delta = accessor(targets[t]["NORMAL"]);
+            for (std::size_t v = 0; v < sums.size(); ++v)
+                for (std::size_t c = 0; c < 3; ++c) sums[v][c] += weights[t] * delta[v][c];
+        }
+        const glm::dmat3 covectors = glm::transpose(glm::inverse(glm::dmat3(worldFromNode(node, animation, seconds))));
+        std::vector<glm::dvec3> out;
+        for (const Element &n : sums) out.push_back(glm::normalize(covectors * glm::normalize(glm::dvec3(n[0], n[1], n[2]))));
+        return out;
+    }
+
   private:
     static std::size_t at(int index) { return static_cast<std::size_t>(index); }
 

@@ -2,6 +2,7 @@
 
 #include "taut/deform/affine.h"
 #include "taut/deform/skin_hinges.h"
+#include "taut/deform/skinning.h"
 #include "taut/deform/surface_fit.h"
 #include "taut/mesh/triangulate.h"
 #include "taut/mesh/weld.h"
@@ -18,6 +19,8 @@ namespace {
 
 /// Normals closer than this (about 0.6 degrees) belong to one surface vertex.
 constexpr float kSameNormalCosine = 0.99995F;
+/// ... and those that a morph moves apart by less than this.
+constexpr float kSameNormalDelta = 0.01F;
 /// Powers of two up to which a rest placement may scale and the surface is built as it stands: a million.
 constexpr int kPlainScale = 20;
 /// Tangents on either side of a UV seam within this angle (20 degrees) are one direction that the seam only interrupts.
@@ -31,6 +34,7 @@ class Builder {
     Builder(const Mesh &mesh, const SurfaceOptions &options) : mesh_(mesh), options_(options) {
         surface_.restFromObject = options.restFromObject;
         canonical_ = weldPositions(mesh, options.weld);
+        morphsNormals_ = !isLimit(options) && !mesh.cornerNormals.empty() && hasMorphNormals(mesh);
         if (!isLimit(options)) turned_ = cornersAgainstWinding(mesh); // those of a limit surface are made from the winding
         rest_.resize(mesh.positions.size());
         for (std::size_t i = 0; i < rest_.size(); ++i) rest_[i] = options.restFromObject * mesh.positions[i];
@@ -133,7 +137,7 @@ class Builder {
             // On a limit surface the two sides of a crease keep apart even where it is flat.
             const auto same = std::find_if(here.begin(), here.end(), [&](Index s) {
                 return onLimit ? surfaceNormal_[s] == mesh_.cornerNormals[c]
-                               : glm::dot(surface_.normals[s], normals[c]) > kSameNormalCosine;
+                               : glm::dot(surface_.normals[s], normals[c]) > kSameNormalCosine && isMorphedAlike(s, c);
             });
             if (same != here.end()) {
                 cornerSurface_[c] = *same;
@@ -144,7 +148,19 @@ class Builder {
             if (onLimit) surfaceNormal_.push_back(mesh_.cornerNormals[c]);
             surface_.surfacePosition.push_back(position);
             surface_.normals.push_back(normals[c]);
+            if (morphsNormals_) surface_.morphedNormals.push_back(mesh_.cornerNormals[c]);
         }
+    }
+
+    /// Whether morphs do to a corner's normal what they do to a surface vertex's.
+    [[nodiscard]] bool isMorphedAlike(Index surfaceVertex, Index cornerNumber) const {
+        if (!morphsNormals_) return true;
+        const Index a = surface_.morphedNormals[surfaceVertex];
+        const Index b = mesh_.cornerNormals[cornerNumber];
+        if (a == kNone || b == kNone) return a == b;
+        return std::all_of(mesh_.morphs.begin(), mesh_.morphs.end(), [&](const MorphTarget &morph) {
+            return morph.normalDeltas.empty() || glm::distance(morph.normalDeltas[a], morph.normalDeltas[b]) < kSameNormalDelta;
+        });
     }
 
     void makeWeightGradients() {
@@ -301,6 +317,7 @@ class Builder {
     const SurfaceOptions &options_;
     Surface surface_;
     std::vector<unsigned char> turned_; // [corners] cornersAgainstWinding()
+    bool morphsNormals_ = false;        // morphs say what normals do
     std::vector<Index> canonical_;      // position -> welded position
     std::vector<Vec3> rest_;            // rest space
     std::vector<Index> cornerSurface_;  // corner -> surface vertex
@@ -330,9 +347,10 @@ void compact(Surface &surface, bool fits) {
     if (!fits) keepHinges(surface);
     const auto shrink = [](auto &...arrays) { (arrays.shrink_to_fit(), ...); };
     shrink(surface.triangles, surface.triangleSlots, surface.vertexSurface, surface.uvs, surface.uvs1, surface.colors,
-           surface.vertexTangents, surface.frameCoefficients, surface.surfacePosition, surface.normals, surface.stencilOffsets,
-           surface.stencilPositions, surface.stencilWeights, surface.stencilPoints, surface.slope, surface.ringOffsets, surface.ringFaces,
-           surface.ringTilts, surface.weightGradientOffsets, surface.weightGradientJoints, surface.weightGradients, surface.hinges);
+           surface.vertexTangents, surface.frameCoefficients, surface.surfacePosition, surface.normals, surface.morphedNormals,
+           surface.stencilOffsets, surface.stencilPositions, surface.stencilWeights, surface.stencilPoints, surface.slope,
+           surface.ringOffsets, surface.ringFaces, surface.ringTilts, surface.weightGradientOffsets, surface.weightGradientJoints,
+           surface.weightGradients, surface.hinges);
 }
 
 } // namespace taut

@@ -54,6 +54,7 @@ struct Surface {
     // Surface vertices.
     std::vector<Index> surfacePosition; ///< -> position
     std::vector<Vec3> normals;          ///< rest space, unit
+    std::vector<Index> morphedNormals;  ///< -> normal of the mesh, kNone without one; empty where no morph says what normals do
     Mat3 restFromObject{1};
 
     // Gradient from positions: dx/de1 = sum weights.x * x[position], dx/de2 = sum weights.y * x[position]; exact in the tangent

@@ -140,6 +140,23 @@ void raiseFit(const Surface &surface, std::size_t s, const Mat3 &restFromSpace, 
     f2 -= normal * glm::dot(normal, f2);
 }
 
+/// Turns a fit to the normal that its file gives the morphed surface, which is taken on the side of the faces (NormalsFollowWinding): a
+/// rotation, so that the stretch is that of the points.
+void turnToNormal(const Vec3 &given, Vec3 &f1, Vec3 &f2, Vec3 &n) {
+    const Vec3 unit = unitOf(given);
+    if (unit == Vec3(0)) return;
+    const Vec3 target = glm::dot(unit, n) < 0 ? -unit : unit;
+    const Vec3 axis = glm::cross(n, target);
+    const float share = 1 / (1 + glm::dot(n, target));
+    const auto turn = [&](const Vec3 &x) {
+        const Vec3 across = glm::cross(axis, x);
+        return x + across + glm::cross(axis, across) * share;
+    };
+    f1 = turn(f1);
+    f2 = turn(f2);
+    n = target;
+}
+
 /// Image of x and of tangents under the linear blend skin at a surface vertex:
 /// f' = sum w B f + sum (B x) dw.
 struct Blend {
@@ -224,6 +241,8 @@ void evaluateGradient(const Surface &surface, const MotionState &motion, const S
     resizeAll(out, count);
     if (out.wantNormalImage && out.normalImage.size() != count) out.normalImage.resize(count);
     const Mat3 objectFromRest = inverseOf(surface.restFromObject);
+    const Mat3 restNormalFromObject = glm::transpose(objectFromRest);
+    const bool normalsMorph = !motion.normals.empty() && !surface.morphedNormals.empty();
     const Mat3 carrierFromRest = Mat3(motion.carrier[0], motion.carrier[1], motion.carrier[2]) * objectFromRest;
     const bool skinned = !motion.joints.empty() && !skin.empty();
     const int placed = motion.placedSide();
@@ -239,6 +258,8 @@ void evaluateGradient(const Surface &surface, const MotionState &motion, const S
             raiseFit(surface, s, surface.restFromObject, false, f1, f2, n);
             const auto edgeTo = [&](Index p) { return surface.restFromObject * (motion.control[p] - x); };
             unfold(surface, s, edgeTo, n, f1, f2);
+            if (normalsMorph && surface.morphedNormals[s] != kNone)
+                turnToNormal(restNormalFromObject * motion.normals[surface.morphedNormals[s]], f1, f2, n);
         }
         Vec3 position;
         if (skinned) {

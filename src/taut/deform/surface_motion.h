@@ -5,7 +5,7 @@
 /// Chain, each step carrying position and gradient exactly:
 ///   control points (morphs, sequences) -> skin or rigid carrier -> deformers -> render space
 /// Morphed, sequenced and subdivided points have no closed form: there the gradient starts from the area-weighted fit of
-/// surface.h. Skinning includes the gradient of the weights.
+/// surface.h, turned to the normals that a file gives its morphs. Skinning includes the gradient of the weights.
 
 #include "taut/deform/affine.h"
 #include "taut/deform/deformer.h"
@@ -22,6 +22,7 @@ namespace taut {
 /// What moves one mesh at one time. Where there are no deformers, `joints` and `carrier` lead straight into render space.
 struct MotionState {
     std::span<const Vec3> control;   ///< object space, [positions]
+    std::span<const Vec3> normals;   ///< object space, [normals of the mesh], of any length: where morphs say what normals do; else empty
     bool controlMoved = false;       ///< control differs from the rest mesh: the gradient starts from the fit
     std::vector<Affine> joints;      ///< for a skinned mesh; else empty
     Affine carrier{1};               ///< for a mesh without a skin, and for vertices without influences

@@ -101,8 +101,7 @@ class MeshJoiner {
         if (mesh_.morphs.empty() && before == 0) {
             mesh_.morphs = std::move(part.morphs);
         } else {
-            for (std::size_t m = 0; m < mesh_.morphs.size(); ++m)
-                appendValues(mesh_.morphs[m].positionDeltas, std::move(part.morphs[m].positionDeltas), before, count, Vec3(0));
+            for (std::size_t m = 0; m < mesh_.morphs.size(); ++m) appendMorph(mesh_.morphs[m], std::move(part.morphs[m]), before, count);
         }
         appendValues(mesh_.normals, std::move(part.normals), before, count, Vec3(0));
         appendValues(mesh_.tangents, std::move(part.tangents), before, count, Vec4(1, 0, 0, 1));
@@ -113,6 +112,11 @@ class MeshJoiner {
         appendSkin(mesh_.skin, std::move(part.skin), before, count);
         appendValues(mesh_.positions, std::move(part.positions), before, count, Vec3(0));
         return group;
+    }
+
+    static void appendMorph(MorphTarget &morph, MorphTarget &&part, std::size_t before, std::size_t count) {
+        appendValues(morph.positionDeltas, std::move(part.positionDeltas), before, count, Vec3(0));
+        appendValues(morph.normalDeltas, std::move(part.normalDeltas), before, count, Vec3(0));
     }
 
     /// Files share one pool of vertices among meshes that use a few of them each.
@@ -136,7 +140,10 @@ class MeshJoiner {
         keep(mesh_.uvs1);
         keep(mesh_.colors);
         keep(mesh_.storedM);
-        for (MorphTarget &morph : mesh_.morphs) keep(morph.positionDeltas);
+        for (MorphTarget &morph : mesh_.morphs) {
+            keep(morph.positionDeltas);
+            keep(morph.normalDeltas);
+        }
         keepSkinRows(to);
         for (std::vector<Index> *corners :
              {&mesh_.cornerPositions, &mesh_.cornerNormals, &mesh_.cornerTangents, &mesh_.cornerUvs, &mesh_.cornerColors})

@@ -174,13 +174,17 @@ SkinWeights readSkinWeights(const GltfPrimitive &primitive, std::size_t position
 
 // --- morph targets ---------------------------------------------------------------------------------------------------
 
-std::vector<MorphTarget> readMorphs(const GltfPrimitive &primitive, const std::vector<std::string> &names, std::size_t positions) {
+/// A target's NORMAL adds to the primitive's own, where it has one; tangents go with the surface, whatever a target says of them.
+std::vector<MorphTarget> readMorphs(const GltfPrimitive &primitive, const std::vector<std::string> &names, std::size_t positions,
+                                    bool hasNormals) {
     const GltfValue targets = primitive.gltf["targets"];
     std::vector<MorphTarget> morphs;
     for (std::size_t t = 0; t < targets.size(); ++t) {
         const GltfValue position = targets[t]["POSITION"];
-        for (const char *unused : {"NORMAL", "TANGENT", "TEXCOORD_0", "TEXCOORD_1", "COLOR_0"})
+        const GltfValue normal = targets[t]["NORMAL"];
+        for (const char *unused : {"TANGENT", "TEXCOORD_0", "TEXCOORD_1", "COLOR_0"})
             if (targets[t].has(unused)) primitive.leftOut.add("morph target " + std::string(unused));
+        if (normal.present() && !hasNormals) primitive.leftOut.add("morph target NORMAL");
         MorphTarget morph;
         morph.name = names[t];
         if (position.present())
@@ -188,6 +192,10 @@ std::vector<MorphTarget> readMorphs(const GltfPrimitive &primitive, const std::v
         else
             morph.positionDeltas.assign(positions, Vec3(0));
         checkVertexCount(position, morph.positionDeltas.size(), positions);
+        if (normal.present() && hasNormals) {
+            morph.normalDeltas = readVectors<Vec3>(primitive.source, normal);
+            checkVertexCount(normal, morph.normalDeltas.size(), positions);
+        }
         morphs.push_back(std::move(morph));
     }
     return morphs;
@@ -243,7 +251,7 @@ Mesh readGltfVertices(const GltfPrimitive &primitive, const std::vector<std::str
         for (Vec2 &uv : *uvs) uv.y = 1 - uv.y;
     mesh.colors = readColors(primitive, positions);
     mesh.storedM = readStoredM(primitive, positions);
-    mesh.morphs = readMorphs(primitive, targetNames, positions);
+    mesh.morphs = readMorphs(primitive, targetNames, positions, !mesh.normals.empty());
     mesh.skin = readSkinWeights(primitive, positions);
     tallyAttributes(primitive);
     return mesh;

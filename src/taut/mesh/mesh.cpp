@@ -7,7 +7,10 @@ void shrinkToFit(Mesh &mesh) {
     shrink(mesh.positions, mesh.faceOffsets, mesh.cornerPositions, mesh.normals, mesh.cornerNormals, mesh.uvs, mesh.cornerUvs, mesh.uvs1,
            mesh.colors, mesh.cornerColors, mesh.tangents, mesh.cornerTangents, mesh.storedM, mesh.faceMaterials, mesh.skin.offsets,
            mesh.skin.joints, mesh.skin.weights);
-    for (MorphTarget &morph : mesh.morphs) morph.positionDeltas.shrink_to_fit();
+    for (MorphTarget &morph : mesh.morphs) {
+        morph.positionDeltas.shrink_to_fit();
+        morph.normalDeltas.shrink_to_fit();
+    }
 }
 
 Bounds boundsOf(const std::vector<Vec3> &points) {

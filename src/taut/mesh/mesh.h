@@ -9,10 +9,11 @@
 
 namespace taut {
 
-/// One morph (shape key, blend shape): a displacement per position vertex, object space, metres.
+/// One morph (shape key, blend shape): a displacement per position vertex, object space, metres, and what it adds to normals.
 struct MorphTarget {
     std::string name;
     std::vector<Vec3> positionDeltas; ///< [positions]
+    std::vector<Vec3> normalDeltas{}; ///< [normals] object space; empty: its normals follow from its positions
 };
 
 /// Linear blend skinning weights, compressed rows: the influences of position vertex v are [offsets[v], offsets[v+1]).

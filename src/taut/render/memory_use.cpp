@@ -14,7 +14,7 @@ std::size_t bytesOf(const Mesh &mesh) {
     std::size_t bytes = bytesOf(mesh.positions, mesh.faceOffsets, mesh.cornerPositions, mesh.normals, mesh.cornerNormals, mesh.uvs,
                                 mesh.cornerUvs, mesh.uvs1, mesh.colors, mesh.cornerColors, mesh.tangents, mesh.cornerTangents, mesh.storedM,
                                 mesh.faceMaterials, mesh.skin.offsets, mesh.skin.joints, mesh.skin.weights);
-    for (const MorphTarget &morph : mesh.morphs) bytes += bytesOf(morph.positionDeltas);
+    for (const MorphTarget &morph : mesh.morphs) bytes += bytesOf(morph.positionDeltas) + bytesOf(morph.normalDeltas);
     return bytes;
 }
 

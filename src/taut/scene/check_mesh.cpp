@@ -81,6 +81,9 @@ void checkMesh(const Part &part, const Mesh &mesh) {
     for (const MorphTarget &morph : mesh.morphs) {
         checkCount(part, "mesh.morphs", morph.positionDeltas.size(), mesh.positions.size());
         checkPoints(part, "mesh.morphs", morph.positionDeltas);
+        if (morph.normalDeltas.empty()) continue;
+        checkCount(part, "mesh.morphs", morph.normalDeltas.size(), mesh.normals.size());
+        checkPoints(part, "mesh.morphs", morph.normalDeltas);
     }
     checkSkin(part, mesh.skin, mesh.positions.size());
     checkFeatures(part, mesh);

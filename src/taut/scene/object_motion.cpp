@@ -42,6 +42,7 @@ void motionAtFrame(const Object &object, double frame, double fps, const DMat4 &
     MotionState &state = motion.state;
     state.control = object.mesh->positions;
     state.controlMoved = false;
+    state.normals = {};
     state.joints.clear();
     DMat4 sceneFromObject(1);
     const DMat4 renderFromScene = renderFromWorld * placementAt(object.placement, frame);
@@ -69,6 +70,10 @@ void motionAtFrame(const Object &object, double frame, double fps, const DMat4 &
             morphPositions(object.mesh->positions, object.mesh->morphs, weights, motion.control);
             state.control = motion.control;
             state.controlMoved = true;
+            if (hasMorphNormals(*object.mesh)) {
+                morphNormals(object.mesh->normals, object.mesh->morphs, weights, motion.normals);
+                state.normals = motion.normals;
+            }
         }
         if (const Skin *skin = skinOf(object)) {
             const std::vector<DMat4> joints = jointMatrices(*skin, *pose);

@@ -12,6 +12,7 @@ namespace taut {
 /// What one object holds as long as it is rendered.
 struct ObjectMotion {
     std::vector<Vec3> control;                 ///< morphed control points
+    std::vector<Vec3> normals;                 ///< morphed normals, where the file has them
     std::shared_ptr<const PointSource> source; ///< the object's, with the way through it
     std::unique_ptr<PointReader> points;
     Deformer deformer; ///< scratch
