@@ -95,6 +95,18 @@ class GltfReference {
         return out;
     }
 
+    /// Sums of the normals of the faces at each vertex of a primitive, at `points`.
+    [[nodiscard]] std::vector<glm::dvec3> faceNormals(const Json &primitive, const std::vector<glm::dvec3> &points) const {
+        std::vector<glm::dvec3> sums(points.size(), glm::dvec3(0));
+        const std::vector<Element> indices = accessor(primitive["indices"]);
+        for (std::size_t i = 0; i + 2 < indices.size(); i += 3) {
+            const auto corner = [&](std::size_t k) { return static_cast<std::size_t>(indices[i + k][0]); };
+            const glm::dvec3 n = glm::cross(points[corner(1)] - points[corner(0)], points[corner(2)] - points[corner(0)]);
+            for (std::size_t k = 0; k < 3; ++k) sums[corner(k)] += n;
+        }
+        return sums;
+    }
+
     /// Unit normals of all vertices of a primitive of a node without a skin, in the space of the scene; empty where it has none.
     [[nodiscard]] std::vector<glm::dvec3> normals(int node, const Json &primitive, int animation, double seconds) const {
         if (!primitive["attributes"].contains("NORMAL")) return {};

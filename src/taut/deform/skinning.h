@@ -37,7 +37,7 @@ void skinPositions(const SkinWeights &skin, std::span<const Affine> joints, cons
 /// morph, count as nothing. `out` may be `positions`.
 void morphPositions(const std::vector<Vec3> &positions, const std::vector<MorphTarget> &morphs, const std::vector<float> &weights,
                     std::vector<Vec3> &out);
-/// The same for normals and their deltas; the sums are not of length 1.
+/// out[n] = normals[n] + sum_m weights[m] * morphs[m].normalDeltas[n], which is not of length 1.
 void morphNormals(const std::vector<Vec3> &normals, const std::vector<MorphTarget> &morphs, const std::vector<float> &weights,
                   std::vector<Vec3> &out);
 /// Whether a morph says what it does to normals.
