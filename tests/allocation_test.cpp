@@ -28,6 +28,15 @@ void *operator new(std::size_t bytes) {
 void *operator new[](std::size_t bytes) {
     return counted(bytes);
 }
+// All forms that a program may pair with the deletes below: else those of a sanitizer would be, whose memory is not malloc's.
+void *operator new(std::size_t bytes, const std::nothrow_t &) noexcept {
+    ++allocations;
+    return std::malloc(bytes != 0 ? bytes : 1);
+}
+void *operator new[](std::size_t bytes, const std::nothrow_t &) noexcept {
+    ++allocations;
+    return std::malloc(bytes != 0 ? bytes : 1);
+}
 void operator delete(void *memory) noexcept {
     std::free(memory);
 }
