@@ -8,7 +8,7 @@ PACKAGES := g++ cmake ninja-build pkg-config libopenmesh-dev libosd-dev libembre
             ffmpeg gnuplot-nox fonts-dejavu-core
 MISSING := $(shell for p in $(PACKAGES); do dpkg-query -W -f='$${Status}' $$p 2>/dev/null | grep -q 'install ok installed' || echo $$p; done)
 
-.PHONY: all build deps export-tools demo test bench sanitize format clean
+.PHONY: all build command deps export-tools demo test bench sanitize format clean
 
 all: build
 
@@ -27,7 +27,12 @@ export-tools:
 	$(SUDO) env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends python3-numpy blender nodejs npm
 	npm install --no-audit --no-fund --prefix build/tools gltf-validator@2.0.0-dev.3.10
 
-demo: build
+# The command alone: no tests, no benches.
+command: deps
+	cmake --preset release
+	cmake --build --preset release --target taut_command
+
+demo: command
 	apps/demo/demo.sh $(BUILD)/taut out/demo
 
 test: build

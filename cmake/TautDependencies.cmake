@@ -9,12 +9,6 @@ find_package(nlohmann_json REQUIRED)
 find_package(embree 3.13 REQUIRED)
 find_package(OpenMesh REQUIRED)
 
-# OpenImageIO's targets list an include directory that Debian does not ship (opencv4): link the library alone.
-find_path(TAUT_OIIO_INCLUDE OpenImageIO/imageio.h REQUIRED)
-find_library(TAUT_OIIO_LIBRARY OpenImageIO REQUIRED)
-find_library(TAUT_OIIO_UTIL_LIBRARY OpenImageIO_Util REQUIRED)
-find_path(TAUT_IMATH_INCLUDE ImathVec.h PATH_SUFFIXES Imath REQUIRED)
-
 # OpenSubdiv's CMake config names a missing static library.
 find_path(TAUT_OSD_INCLUDE opensubdiv/far/topologyRefiner.h REQUIRED)
 find_library(TAUT_OSD_CPU_LIBRARY osdCPU REQUIRED)
@@ -27,7 +21,6 @@ function(taut_wrap name)
     endif()
 endfunction()
 
-taut_wrap(taut_openimageio INCLUDE "${TAUT_OIIO_INCLUDE};${TAUT_IMATH_INCLUDE}" LIBRARIES "${TAUT_OIIO_LIBRARY};${TAUT_OIIO_UTIL_LIBRARY}")
 taut_wrap(taut_opensubdiv INCLUDE "${TAUT_OSD_INCLUDE}" LIBRARIES "${TAUT_OSD_CPU_LIBRARY}")
 taut_wrap(taut_openmesh INCLUDE "" LIBRARIES "OpenMeshCore")
 taut_wrap(taut_embree INCLUDE "" LIBRARIES "embree")

@@ -3,9 +3,9 @@
 
 #include "command.h"
 
+#include "taut/base/file_bytes.h"
+#include "taut/images/image_codec.h"
 #include "taut/render/image_file.h"
-
-#include <OpenImageIO/imageio.h>
 
 namespace taut::test {
 
@@ -47,9 +47,11 @@ inline void checkUsageError(const CommandResult &result, const std::string &part
 }
 
 inline std::string metadata(const std::string &path, const std::string &key) {
-    const auto input = OIIO::ImageInput::open(path);
-    REQUIRE(input);
-    return std::string(input->spec().get_string_attribute(key, "absent"));
+    const std::string bytes = readBytes(path);
+    const ImagePart part = imageCodec().open(lowerExtension(path) == "png" ? "png" : "openexr", bytes, path)->parts(false).at(0);
+    for (const auto &[name, value] : part.attributes)
+        if (name == key) return value;
+    return "absent";
 }
 
 inline std::size_t channelOf(const Image &image, const std::string &name) {

@@ -181,7 +181,7 @@ TEST_CASE("environment map directions", "[environment]") {
     set(1, 1, 5); // a quarter from the left: +y
     set(2, 1, 5);
     for (int x = 0; x < 8; ++x) set(x, 0, 7); // top: +z
-    const std::string path = writeImage(folder, "directions.exr", 8, 4, 3, texels, OIIO::TypeDesc::FLOAT);
+    const std::string path = writeImage(folder, "directions.exr", 8, 4, 3, texels, SampleType::Float);
     const float z = std::cos(kPi * 1.5F / 4); // the second row's centre
     const float r = std::sqrt(1 - z * z);
     const Environment e = readEnvironment(path, 0, Vec3(1), warnings);
@@ -201,30 +201,30 @@ TEST_CASE("Single texels that are no radiance are held and counted", "[environme
     const std::string folder = outputFolder("environment");
     std::vector<float> texels(4 * 2 * 3, 1.0F);
     texels[3 * (4 + 2) + 1] = -1;
-    const std::string negative = writeImage(folder, "negative.exr", 4, 2, 3, texels, OIIO::TypeDesc::FLOAT);
+    const std::string negative = writeImage(folder, "negative.exr", 4, 2, 3, texels, SampleType::Float);
     CHECK(readEnvironment(negative, 0, Vec3(1), warnings).texels[6] == Vec3(1, 0, 1));
     REQUIRE(warnings.lines.size() == 1);
     CHECK(says(warnings.lines[0], "negative.exr: of 8 texels: 1 negative, held at 0", {"column 2, row 1"}));
     texels[3 * (4 + 2) + 1] = NAN;
-    const std::string nan = writeImage(folder, "nan.exr", 4, 2, 3, texels, OIIO::TypeDesc::FLOAT);
+    const std::string nan = writeImage(folder, "nan.exr", 4, 2, 3, texels, SampleType::Float);
     CHECK(readEnvironment(nan, 0, Vec3(1), warnings).texels[6] == Vec3(1, 0, 1));
     REQUIRE(warnings.lines.size() == 2);
     CHECK(says(warnings.lines[1], "nan.exr: of 8 texels: 1 not a number, held at 0", {"column 2, row 1"}));
     texels[3 * (4 + 2) + 1] = INFINITY;
     texels[0] = 9;
     texels[5] = -1;
-    const std::string both = writeImage(folder, "both.exr", 4, 2, 3, texels, OIIO::TypeDesc::FLOAT);
+    const std::string both = writeImage(folder, "both.exr", 4, 2, 3, texels, SampleType::Float);
     const Environment held = readEnvironment(both, 0, Vec3(2), warnings);
     CHECK(held.texels[6] == Vec3(2, 18, 2));
     CHECK(held.texels[1] == Vec3(2, 2, 0));
     REQUIRE(warnings.lines.size() == 3);
     CHECK(says(warnings.lines[2], "both.exr: of 8 texels: 1 infinite, held at 9, 1 negative, held at 0", {"column 1, row 0"}));
     texels[8] = texels[11] = NAN; // with those, more than a quarter
-    const std::string many = writeImage(folder, "many.exr", 4, 2, 3, texels, OIIO::TypeDesc::FLOAT);
+    const std::string many = writeImage(folder, "many.exr", 4, 2, 3, texels, SampleType::Float);
     CHECK(says(errorOf([&] { readEnvironment(many, 0, Vec3(1), warnings); }), "many.exr: found 4 of 8 texels", {"at most a quarter"}));
     texels = std::vector<float>(4 * 2 * 3, 1.0F);
     texels[3 * (4 + 2) + 1] = 1e30F;
-    const std::string large = writeImage(folder, "large.exr", 4, 2, 3, texels, OIIO::TypeDesc::FLOAT);
+    const std::string large = writeImage(folder, "large.exr", 4, 2, 3, texels, SampleType::Float);
     CHECK(says(errorOf([&] { readEnvironment(large, 0, Vec3(1e20F), warnings); }),
                "large.exr: found a radiance that is not finite when scaled", {}));
     CHECK(says(errorOf([&] { readEnvironment(folder + "/none.exr", 0, Vec3(1), warnings); }), "none.exr", {}));
@@ -233,7 +233,7 @@ TEST_CASE("Single texels that are no radiance are held and counted", "[environme
 TEST_CASE("a Radiance HDR file is read", "[environment]") {
     Warnings warnings;
     const std::string folder = outputFolder("environment");
-    const std::string path = writeImage(folder, "half.hdr", 16, 8, 3, std::vector<float>(16 * 8 * 3, 0.5F), OIIO::TypeDesc::FLOAT);
+    const std::string path = writeImage(folder, "half.hdr", 16, 8, 3, std::vector<float>(16 * 8 * 3, 0.5F), SampleType::Float);
     const Environment e = readEnvironment(path, 0, Vec3(1), warnings);
     CHECK(e.width == 16);
     CHECK(e.mean.y == Approx(0.5).epsilon(0.01));

@@ -268,7 +268,7 @@ TEST_CASE("damaged image files never do more than throw InputError", "[texture][
     for (const char *name : {"image.png", "image.exr", "image.hdr", "image.tif", "image.jpg", "image.webp", "image.tga", "image.bmp"}) {
         const bool isFloat = std::string(name) == "image.exr" || std::string(name) == "image.hdr";
         const std::string whole =
-            readBytes(writeImage(folder, name, 32, 16, 3, texels, isFloat ? OIIO::TypeDesc::FLOAT : OIIO::TypeDesc::UINT8));
+            readBytes(writeImage(folder, name, 32, 16, 3, texels, isFloat ? SampleType::Float : SampleType::UInt8));
         const std::string path = folder + "/damaged_" + name;
         int refused = 0;
         for (int i = 0; i < 120; ++i) {

@@ -85,7 +85,7 @@ TEST_CASE("Image files that end early are refused", "[texture][malformed]") {
     for (const std::string name : {"cut.jpg", "cut.png", "cut.tif", "cut.tga", "cut.bmp", "cut.webp", "cut.hdr", "cut.exr"}) {
         const bool isFloat = name == "cut.hdr" || name == "cut.exr";
         const std::string whole = readBytes(
-            writeImage(folder, "whole_" + name, 64, 48, 3, noise(64 * 48 * 3), isFloat ? OIIO::TypeDesc::FLOAT : OIIO::TypeDesc::UINT8));
+            writeImage(folder, "whole_" + name, 64, 48, 3, noise(64 * 48 * 3), isFloat ? SampleType::Float : SampleType::UInt8));
         CAPTURE(name, whole.size());
         REQUIRE(errorOfImage(writeTo(folder, name, whole)).empty());
         for (const double share : {0.1, 0.3, 0.5, 0.7, 0.9}) {

@@ -4,10 +4,10 @@
 #include "assets.h"
 #include "mesh_samples.h"
 
+#include "taut/base/file_bytes.h"
+#include "taut/images/image_codec.h"
 #include "taut/scene/load_scene.h"
 #include "taut/scene/object_motion.h"
-
-#include <OpenImageIO/imageio.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -39,16 +39,19 @@ inline std::string quadObj(float height = 0, bool twoMaterials = false) {
 
 /// Writes an image of floats in [0, 1] (or any, for float formats); the name's ending chooses the format.
 inline std::string writeImage(const std::string &folder, const std::string &name, int width, int height, int channels,
-                              const std::vector<float> &texels, OIIO::TypeDesc type = OIIO::TypeDesc::UINT8) {
-    const std::string path = folder + "/" + name;
-    const auto out = OIIO::ImageOutput::create(path);
-    REQUIRE(out);
-    OIIO::ImageSpec spec(width, height, channels, type);
-    spec.attribute("oiio:UnassociatedAlpha", 1);
-    REQUIRE(out->open(path, spec));
-    REQUIRE(out->write_image(OIIO::TypeDesc::FLOAT, texels.data()));
-    REQUIRE(out->close());
-    return path;
+                              const std::vector<float> &texels, SampleType type = SampleType::UInt8) {
+    ImagePart part;
+    part.width = part.fullWidth = width;
+    part.height = part.fullHeight = height;
+    const std::vector<std::string> names{"R", "G", "B", "A"};
+    part.channels = channels < 3 ? std::vector<std::string>{"Y", "A"} : names;
+    part.channels.resize(static_cast<std::size_t>(channels));
+    std::string format = lowerExtension(name);
+    for (const auto &[extension, known] :
+         {std::pair("exr", "openexr"), std::pair("jpg", "jpeg"), std::pair("tif", "tiff"), std::pair("tga", "targa")})
+        if (format == extension) format = known;
+    const std::vector<unsigned char> bytes = imageCodec().encode(format, {part, type, texels.data()});
+    return writeTo(folder, name, {bytes.begin(), bytes.end()});
 }
 
 /// One triangle in the glTF's xy plane under the node "body", a camera, a lamp and an animation of the body.
@@ -80,7 +83,7 @@ inline std::string sceneFolder(const std::string &name) {
     for (const int frame : {1, 2, 5}) writeTo(folder, "cloth.000" + std::to_string(frame) + ".obj", quadObj(static_cast<float>(frame)));
     writeTo(folder, "figure.glb", triangleGltf().glb());
     writeImage(folder, "brushed.png", 2, 2, 3, {0, 0.25F, 0.5F, 1, 1, 1, 0.5F, 0.5F, 0.5F, 0, 0, 0});
-    writeImage(folder, "studio.exr", 4, 2, 3, std::vector<float>(24, 0.5F), OIIO::TypeDesc::FLOAT);
+    writeImage(folder, "studio.exr", 4, 2, 3, std::vector<float>(24, 0.5F), SampleType::Float);
     return folder;
 }
 

@@ -64,11 +64,11 @@ TEST_CASE("texture colours are decoded from sRGB, alpha never", "[texture]") {
     const Texture raw = readTexture(path, ColorSpace::Linear, warnings);
     for (std::size_t i = 0; i < 8; ++i) CHECK(raw.texels[i] == Approx(texels[i]).margin(1e-6));
     // PNG is sRGB at any depth, TIFF of 16 bits is linear, unless told otherwise.
-    const std::string deep = writeImage(folder, "deep.png", 1, 1, 3, {0.25F, 0.5F, 1}, OIIO::TypeDesc::UINT16);
+    const std::string deep = writeImage(folder, "deep.png", 1, 1, 3, {0.25F, 0.5F, 1}, SampleType::UInt16);
     CHECK(readTexture(deep, ColorSpace::Auto, warnings).texels[1] == Approx(0.2140411).epsilon(1e-4));
     CHECK(readTexture(deep, ColorSpace::Srgb, warnings).texels[1] == Approx(0.2140411).epsilon(1e-4));
     CHECK(readTexture(deep, ColorSpace::Linear, warnings).texels[1] == Approx(0.5).epsilon(1e-4));
-    const std::string deepTiff = writeImage(folder, "deep.tif", 1, 1, 3, {0.25F, 0.5F, 1}, OIIO::TypeDesc::UINT16);
+    const std::string deepTiff = writeImage(folder, "deep.tif", 1, 1, 3, {0.25F, 0.5F, 1}, SampleType::UInt16);
     CHECK(readTexture(deepTiff, ColorSpace::Auto, warnings).texels[1] == Approx(0.5).epsilon(1e-4));
     CHECK(readTexture(deepTiff, ColorSpace::Srgb, warnings).texels[1] == Approx(0.2140411).epsilon(1e-4));
 }
@@ -82,7 +82,7 @@ TEST_CASE("texture channels", "[texture]") {
     const Texture greyAlpha = readTexture(writeImage(folder, "greyalpha.png", 1, 1, 2, {0.6F, 0.2F}), ColorSpace::Linear, warnings);
     CHECK(greyAlpha.channels == 4);
     CHECK(glm::length(lookup(greyAlpha, {0.5F, 0.5F}) - Vec4(0.6F, 0.6F, 0.6F, 0.2F)) < 1e-6F);
-    const Texture rgb = readTexture(writeImage(folder, "rgb.exr", 1, 1, 3, {1, 2, 3}, OIIO::TypeDesc::FLOAT), ColorSpace::Auto, warnings);
+    const Texture rgb = readTexture(writeImage(folder, "rgb.exr", 1, 1, 3, {1, 2, 3}, SampleType::Float), ColorSpace::Auto, warnings);
     CHECK(lookup(rgb, {0.5F, 0.5F}) == Vec4(1, 2, 3, 1));
 }
 
@@ -156,7 +156,7 @@ TEST_CASE("a texture in memory is read like its file", "[texture]") {
     for (const char *name : {"same.png", "same.exr", "same.hdr", "same.tif", "same.jpg", "same.webp", "same.tga", "same.bmp"}) {
         const std::string path = writeImage(
             folder, name, 3, 2, 3, std::vector<float>(18, 0.5F),
-            std::strstr(name, "exr") != nullptr || std::strstr(name, "hdr") != nullptr ? OIIO::TypeDesc::FLOAT : OIIO::TypeDesc::UINT8);
+            std::strstr(name, "exr") != nullptr || std::strstr(name, "hdr") != nullptr ? SampleType::Float : SampleType::UInt8);
         const Texture file = readTexture(path, ColorSpace::Auto, warnings);
         const Texture memory = readTextureFromMemory("memory", toBytes(readBytes(path)), ColorSpace::Auto, warnings);
         CHECK(file.width == 3);
@@ -169,7 +169,7 @@ TEST_CASE("textures of absurd size are refused before allocation", "[texture][ma
     Warnings warnings;
     const std::string folder = outputFolder("texture");
     const std::string png = readBytes(writeImage(folder, "small.png", 1, 1, 3, {1, 1, 1}));
-    const std::string exr = readBytes(writeImage(folder, "small.exr", 1, 1, 3, {1, 1, 1}, OIIO::TypeDesc::FLOAT));
+    const std::string exr = readBytes(writeImage(folder, "small.exr", 1, 1, 3, {1, 1, 1}, SampleType::Float));
     const auto error = [&](const std::string &bytes) {
         return errorOf([&] { readTextureFromMemory("image", toBytes(bytes), ColorSpace::Auto, warnings); });
     };
@@ -192,7 +192,7 @@ TEST_CASE("texture files that hold no image", "[texture][malformed]") {
                "empty.png: found an empty file", {}));
     CHECK(says(errorOf([&] { readTexture(writeTo(folder, "text.png", "hello"), ColorSpace::Auto, warnings); }),
                "text.png: found a file of another format", {"PNG"}));
-    const std::string nan = writeImage(folder, "nan.exr", 2, 2, 1, {1, 1, 1, INFINITY}, OIIO::TypeDesc::FLOAT);
+    const std::string nan = writeImage(folder, "nan.exr", 2, 2, 1, {1, 1, 1, INFINITY}, SampleType::Float);
     CHECK(readTexture(nan, ColorSpace::Auto, warnings).texels == std::vector<float>{1, 1, 1, 1});
     REQUIRE(warnings.lines.size() == 1);
     CHECK(says(warnings.lines[0], "nan.exr: of 4 texels: 1 infinite, held at 1 (the first in column 1, row 1)", {}));

@@ -8,6 +8,7 @@
 #include "study/measures/memory.h"
 #include "taut/base/frame_set.h"
 #include "taut/base/peak_memory.h"
+#include "taut/images/image_codec.h"
 #include "taut/render/frame_render.h"
 #include "taut/render/image_file.h"
 
@@ -193,6 +194,7 @@ int render(RenderArguments &arguments) {
     const std::vector<std::string_view> aovNames(arguments.aovs.begin(), arguments.aovs.end());
     const std::vector<Aov> aovs = aovsNamed(aovNames, "--aov");
     Scene loaded = sceneOf(arguments);
+    if (!arguments.check) preloadImageCodec();
     const RenderSettings render = loaded.render;
     const std::vector<int> &frames = render.frames;
     if (arguments.outputs.empty()) arguments.outputs = {"out/####.exr"};

@@ -3,9 +3,7 @@
 #include "taut/base/error.h"
 #include "taut/base/file_bytes.h"
 #include "taut/base/srgb.h"
-
-#include <OpenImageIO/filesystem.h>
-#include <OpenImageIO/imageio.h>
+#include "taut/images/image_codec.h"
 
 #include <cmath>
 #include <filesystem>
@@ -23,6 +21,17 @@ void makeParent(const std::string &path) {
     if (error) throw RunError(path + ": can't make its folder: " + error.message());
 }
 
+/// The first three channels, 8 bit sRGB.
+std::vector<unsigned char> srgbBytes(const Image &image) {
+    const std::size_t channels = image.channels.size();
+    std::vector<unsigned char> bytes;
+    bytes.reserve(image.values.size() / channels * 3);
+    for (std::size_t first = 0; first + 2 < image.values.size(); first += channels)
+        for (std::size_t c = 0; c < 3; ++c)
+            bytes.push_back(static_cast<unsigned char>(std::lround(255 * srgbFromLinear(image.values[first + c]))));
+    return bytes;
+}
+
 } // namespace
 
 bool isImagePath(const std::string &path) {
@@ -33,58 +42,50 @@ void writeImage(const std::string &path, const Image &image, const Metadata &met
     makeParent(path);
     OutputFile file(path); // before the work of encoding, so that a folder without room is known at once
     const bool png = lowerExtension(path) == "png";
-    const int channels = static_cast<int>(image.channels.size());
-    OIIO::ImageSpec spec(image.window.width(), image.window.height(), png ? 3 : channels,
-                         png ? OIIO::TypeDesc::UINT8 : OIIO::TypeDesc::FLOAT);
+    ImagePart part;
+    part.width = part.fullWidth = image.window.width();
+    part.height = part.fullHeight = image.window.height();
+    part.channels = {"R", "G", "B"};
     if (!png) {
-        spec.channelnames = image.channels;
-        spec.x = image.window.x0;
-        spec.y = image.window.y0;
-        spec.full_width = image.width;
-        spec.full_height = image.height;
-        spec.attribute("compression", "zip");
-        spec.attribute("oiio:ColorSpace", "Linear");
-    } else {
-        spec.attribute("oiio:ColorSpace", "sRGB");
+        part.channels = image.channels;
+        part.x = image.window.x0;
+        part.y = image.window.y0;
+        part.fullWidth = image.width;
+        part.fullHeight = image.height;
+        part.attributes.emplace_back("compression", "zip");
     }
-    for (const auto &[name, value] : metadata) spec.attribute(name, value);
-
-    const auto output = OIIO::ImageOutput::create(png ? "png" : "openexr");
-    if (!output) throw RunError(path + ": no writer for this kind of image: " + OIIO::geterror());
-    std::vector<unsigned char> encoded; // in memory: what a full disk says is said by OutputFile, in its words
-    OIIO::Filesystem::IOVecOutput memory(encoded);
-    output->set_ioproxy(&memory);
-    bool written = output->open(path, spec);
-    if (written && png) {
-        const std::size_t pixels = image.values.size() / static_cast<std::size_t>(channels);
-        std::vector<unsigned char> bytes;
-        bytes.reserve(pixels * 3);
-        for (std::size_t p = 0; p < pixels; ++p)
-            for (std::size_t c = 0; c < 3; ++c)
-                bytes.push_back(static_cast<unsigned char>(
-                    std::lround(255 * srgbFromLinear(image.values[p * static_cast<std::size_t>(channels) + c]))));
-        written = output->write_image(OIIO::TypeDesc::UINT8, bytes.data());
-    } else if (written) {
-        written = output->write_image(OIIO::TypeDesc::FLOAT, image.values.data());
+    part.attributes.emplace_back("oiio:ColorSpace", png ? "sRGB" : "Linear");
+    part.attributes.insert(part.attributes.end(), metadata.begin(), metadata.end());
+    const std::vector<unsigned char> bytes = png ? srgbBytes(image) : std::vector<unsigned char>();
+    const ImageToEncode content{part, png ? SampleType::UInt8 : SampleType::Float, image.values.data(), png ? bytes.data() : nullptr};
+    const ImageCodec &codec = imageCodec();
+    std::vector<unsigned char> encoded;
+    try {
+        encoded = codec.encode(png ? "png" : "openexr", content);
+    } catch (const std::exception &error) {
+        throw RunError(path + ": can't be written: " + error.what());
     }
-    if (!written || !output->close()) throw RunError(path + ": can't be written: " + output->geterror());
     file.write(encoded.data(), encoded.size());
     file.finish();
 }
 
 Image readImage(const std::string &path) {
-    const auto input = OIIO::ImageInput::open(path);
-    if (!input) throw InputError(path + ": found no readable image (" + OIIO::geterror() + "), expected an EXR or PNG");
-    const OIIO::ImageSpec &spec = input->spec();
+    const std::string bytes = readFileBytes(path);
+    const bool png = bytes.compare(0, 4, "\x89PNG") == 0;
+    const ImageCodec &codec = imageCodec();
     Image image;
-    image.window = {spec.x, spec.y, spec.x + spec.width, spec.y + spec.height};
-    image.width = spec.full_width;
-    image.height = spec.full_height;
-    image.channels = spec.channelnames;
-    image.values.resize(static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height) *
-                        static_cast<std::size_t>(spec.nchannels));
-    if (!input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, image.values.data()))
-        throw InputError(path + ": found a damaged image (" + input->geterror() + "), expected an EXR or PNG");
+    try {
+        const auto input = codec.open(png ? "png" : "openexr", bytes, path);
+        const ImagePart part = input->parts(false).at(0);
+        image.window = {part.x, part.y, part.x + part.width, part.y + part.height};
+        image.width = part.fullWidth;
+        image.height = part.fullHeight;
+        image.channels = part.channels;
+        image.values.resize(static_cast<std::size_t>(part.width) * static_cast<std::size_t>(part.height) * part.channels.size());
+        input->read(0, 0, part.channelCount(), image.values.data());
+    } catch (const std::exception &error) {
+        throw InputError(path + ": found no readable image (" + error.what() + "), expected an EXR or PNG");
+    }
     return image;
 }
 

@@ -20,43 +20,44 @@ ChannelName split(const std::string &name) {
     return out;
 }
 
-int findChannel(const OIIO::ImageSpec &spec, const std::string &layer, std::initializer_list<std::string_view> names) {
-    for (int i = 0; i < spec.nchannels; ++i) {
-        const ChannelName name = split(spec.channel_name(i));
+int findChannel(const ImagePart &part, const std::string &layer, std::initializer_list<std::string_view> names) {
+    for (int i = 0; i < part.channelCount(); ++i) {
+        const ChannelName name = split(part.channels[static_cast<std::size_t>(i)]);
         if (name.layer == layer && std::find(names.begin(), names.end(), name.part) != names.end()) return i;
     }
     return -1;
 }
 
 /// Red, green and blue of a layer, with alpha where it has one; empty where it lacks a colour.
-std::vector<int> colourOf(const OIIO::ImageSpec &spec, const std::string &layer) {
-    std::vector<int> found{findChannel(spec, layer, {"r", "red"}), findChannel(spec, layer, {"g", "green"}),
-                           findChannel(spec, layer, {"b", "blue"})};
+std::vector<int> colourOf(const ImagePart &part, const std::string &layer) {
+    std::vector<int> found{findChannel(part, layer, {"r", "red"}), findChannel(part, layer, {"g", "green"}),
+                           findChannel(part, layer, {"b", "blue"})};
     if (std::find(found.begin(), found.end(), -1) != found.end()) return {};
-    if (const int alpha = findChannel(spec, layer, {"a", "alpha"}); alpha >= 0) found.push_back(alpha);
+    if (const int alpha = findChannel(part, layer, {"a", "alpha"}); alpha >= 0) found.push_back(alpha);
     return found;
 }
 
 /// Choices from the best to the last resort; each is empty where a part does not have it.
-using Choice = std::vector<int> (*)(const OIIO::ImageSpec &);
+using Choice = std::vector<int> (*)(const ImagePart &);
 constexpr std::array<Choice, 4> kChoices{
-    [](const OIIO::ImageSpec &spec) { return colourOf(spec, ""); },
-    [](const OIIO::ImageSpec &spec) {
-        std::vector<int> found{findChannel(spec, "", {"y"})};
-        const bool isVector = findChannel(spec, "", {"x"}) >= 0 || findChannel(spec, "", {"z"}) >= 0;
+    [](const ImagePart &part) { return colourOf(part, ""); },
+    [](const ImagePart &part) {
+        std::vector<int> found{findChannel(part, "", {"y"})};
+        const bool isVector = findChannel(part, "", {"x"}) >= 0 || findChannel(part, "", {"z"}) >= 0;
         if (found[0] < 0 || isVector) return std::vector<int>();
-        if (const int alpha = findChannel(spec, "", {"a", "alpha"}); alpha >= 0) found.push_back(alpha);
+        if (const int alpha = findChannel(part, "", {"a", "alpha"}); alpha >= 0) found.push_back(alpha);
         return found;
     },
-    [](const OIIO::ImageSpec &spec) {
-        for (int i = 0; i < spec.nchannels; ++i)
-            if (std::vector<int> found = colourOf(spec, split(spec.channel_name(i)).layer); !found.empty()) return found;
+    [](const ImagePart &part) {
+        for (int i = 0; i < part.channelCount(); ++i)
+            if (std::vector<int> found = colourOf(part, split(part.channels[static_cast<std::size_t>(i)]).layer); !found.empty())
+                return found;
         return std::vector<int>();
     },
-    [](const OIIO::ImageSpec &spec) {
+    [](const ImagePart &part) {
         std::vector<int> found;
-        const int alpha = findChannel(spec, "", {"a", "alpha"});
-        for (int i = 0; i < spec.nchannels && found.size() < 3; ++i)
+        const int alpha = findChannel(part, "", {"a", "alpha"});
+        for (int i = 0; i < part.channelCount() && found.size() < 3; ++i)
             if (i != alpha) found.push_back(i);
         if (found.size() == 2) found.push_back(-1); // two numbers are no grey with alpha
         if (alpha >= 0) found.push_back(alpha);
@@ -64,9 +65,8 @@ constexpr std::array<Choice, 4> kChoices{
     },
 };
 
-std::string partName(const OIIO::ImageSpec &spec, int part) {
-    const std::string name(spec.get_string_attribute("oiio:subimagename", spec.get_string_attribute("name", "")));
-    return name.empty() ? "part " + std::to_string(part) : "part " + quoted(name);
+std::string partName(const ImagePart &part, int number) {
+    return part.name.empty() ? "part " + std::to_string(number) : "part " + quoted(part.name);
 }
 
 /// Names of channels, the first few of them.
@@ -77,22 +77,22 @@ std::string listed(const std::vector<std::string> &names) {
     return names.size() > kMost ? out + " and " + std::to_string(names.size() - kMost) + " more" : out;
 }
 
-void warnOfRest(const std::vector<OIIO::ImageSpec> &parts, const ImageChannels &chosen, const Location &where, Warnings &warnings) {
+void warnOfRest(const std::vector<ImagePart> &parts, const ImageChannels &chosen, const Location &where, Warnings &warnings) {
     std::vector<std::string> used;
     std::vector<std::string> unused;
-    for (std::size_t part = 0; part < parts.size(); ++part)
-        for (int i = 0; i < parts[part].nchannels; ++i) {
-            const std::string name = quoted(std::string(parts[part].channel_name(i)));
+    for (std::size_t p = 0; p < parts.size(); ++p)
+        for (int i = 0; i < parts[p].channelCount(); ++i) {
+            const auto number = static_cast<int>(p);
+            const std::string name = quoted(parts[p].channels[static_cast<std::size_t>(i)]);
             const bool isUsed =
-                static_cast<int>(part) == chosen.part && std::find(chosen.indices.begin(), chosen.indices.end(), i) != chosen.indices.end();
+                number == chosen.number && std::find(chosen.indices.begin(), chosen.indices.end(), i) != chosen.indices.end();
             if (isUsed)
                 used.push_back(name);
             else
-                unused.push_back(static_cast<int>(part) == chosen.part ? name
-                                                                       : name + " of " + partName(parts[part], static_cast<int>(part)));
+                unused.push_back(number == chosen.number ? name : name + " of " + partName(parts[p], number));
         }
     if (unused.empty()) return;
-    warnings.add(where.text() + ": read " + listed(used) + (parts.size() > 1 ? " of " + partName(chosen.spec, chosen.part) : "") +
+    warnings.add(where.text() + ": read " + listed(used) + (parts.size() > 1 ? " of " + partName(chosen.part, chosen.number) : "") +
                  "; left out " + listed(unused));
 }
 
@@ -105,24 +105,21 @@ std::vector<int> channelsInOrder(int count) {
 
 } // namespace
 
-ImageChannels pictureOf(OIIO::ImageInput &input, bool isExr, const Location &where, Warnings &warnings) {
-    if (!isExr) return {0, input.spec(), channelsInOrder(input.spec().nchannels)};
-    std::vector<OIIO::ImageSpec> parts;
-    constexpr int kMostParts = 1024;
-    for (int part = 0; part < kMostParts && input.seek_subimage(part, 0); ++part) parts.push_back(input.spec());
-    static_cast<void>(input.geterror()); // that of the part behind the last
+ImageChannels pictureOf(ImageDecoder &input, bool isExr, const Location &where, Warnings &warnings) {
+    const std::vector<ImagePart> parts = input.parts(isExr);
+    if (parts.empty()) failInput(where, "an image without parts", "at least one");
+    if (!isExr) return {0, parts[0], channelsInOrder(parts[0].channelCount())};
     for (const Choice choice : kChoices)
-        for (std::size_t part = 0; part < parts.size(); ++part) {
-            const OIIO::ImageSpec &spec = parts[part];
-            ImageChannels chosen{static_cast<int>(part), spec, spec.deep ? std::vector<int>() : choice(spec)};
+        for (std::size_t p = 0; p < parts.size(); ++p) {
+            const ImagePart &part = parts[p];
+            ImageChannels chosen{static_cast<int>(p), part, part.isFlat ? choice(part) : std::vector<int>()};
             if (chosen.indices.empty()) continue;
-            if (findChannel(spec, "", {"ry"}) >= 0 && findChannel(spec, "", {"by"}) >= 0 && choice != kChoices[0])
+            if (findChannel(part, "", {"ry"}) >= 0 && findChannel(part, "", {"by"}) >= 0 && choice != kChoices[0])
                 failInput(where, "luminance and chroma (Y, RY, BY)", "channels R, G and B");
             warnOfRest(parts, chosen, where, warnings);
             return chosen;
         }
-    if (parts.empty()) failInput(where, "an image without parts", "at least one");
-    return {0, parts[0], channelsInOrder(parts[0].nchannels)};
+    return {0, parts[0], channelsInOrder(parts[0].channelCount())};
 }
 
 } // namespace taut

@@ -4,15 +4,13 @@
 #include "taut/base/parallel.h"
 #include "taut/base/srgb.h"
 #include "taut/formats/raw_number.h"
+#include "taut/images/image_codec.h"
 #include "taut/scene/image_channels.h"
 #include "taut/scene/jpeg_guard.h"
 #include "taut/scene/png_guard.h"
 #include "taut/scene/texture.h"
 #include "taut/scene/tiff_guard.h"
 #include "taut/scene/webp_alpha.h"
-
-#include <OpenImageIO/filesystem.h>
-#include <OpenImageIO/imageio.h>
 
 #include <algorithm>
 #include <limits>
@@ -113,16 +111,14 @@ void decodeSrgb(Pixels &texture) {
     });
 }
 
-bool isSrgb(const OIIO::ImageSpec &spec, const Format &format, const Location &where, Warnings &warnings) {
+bool isSrgb(const ImagePart &part, const Format &format, const Location &where, Warnings &warnings) {
     if (format.plugin == "png"sv) { // its gAMA chunk, as OpenImageIO tells it
-        const float gamma = spec.get_float_attribute("oiio:Gamma", 0);
-        const bool linear = spec.get_string_attribute("oiio:ColorSpace") == "Linear" || std::fabs(gamma - 1) < 0.01F;
-        if (!linear && gamma > 0 && std::fabs(gamma - 2.2F) > 0.05F)
-            warnings.add(where.text() + ": its gamma of " + formatNumber(static_cast<double>(gamma)) + " is taken as sRGB");
+        const bool linear = part.isLinear || std::fabs(part.gamma - 1) < 0.01F;
+        if (!linear && part.gamma > 0 && std::fabs(part.gamma - 2.2F) > 0.05F)
+            warnings.add(where.text() + ": its gamma of " + formatNumber(static_cast<double>(part.gamma)) + " is taken as sRGB");
         return !linear;
     }
-    return format.encoding == Encoding::Srgb ||
-           (format.encoding == Encoding::SrgbOfEightBits && spec.format.basetype == OIIO::TypeDesc::UINT8);
+    return format.encoding == Encoding::Srgb || (format.encoding == Encoding::SrgbOfEightBits && part.isEightBits);
 }
 
 /// A rectangle of texels, x1 and y1 excluded.
@@ -139,9 +135,9 @@ Rectangle intersection(const Rectangle &a, const Rectangle &b) {
 
 /// The picture of an OpenEXR file is its display window (Technical Introduction to OpenEXR, "Display Window and Data Window"): data
 /// outside it are not seen, and where it has no data it is black. Other formats have no such windows.
-Rectangle displayWindow(const OIIO::ImageSpec &spec, const Rectangle &data, bool isExr, const Location &where, Warnings &warnings) {
+Rectangle displayWindow(const ImagePart &part, const Rectangle &data, bool isExr, const Location &where, Warnings &warnings) {
     if (!isExr) return data;
-    const Rectangle display{spec.full_x, spec.full_y, spec.full_x + spec.full_width, spec.full_y + spec.full_height};
+    const Rectangle display{part.fullX, part.fullY, part.fullX + part.fullWidth, part.fullY + part.fullHeight};
     const Rectangle seen = intersection(display, data);
     if (seen.empty()) failInput(where, "a data window outside the display window", "data to display");
     if (seen.width() != display.width() || seen.height() != display.height())
@@ -239,46 +235,37 @@ struct Use {
     bool isRadiance = false;
 };
 
-Pixels decode(OIIO::ImageInput &input, const Format &format, std::size_t fileBytes, const Use &use, const Location &where,
+Pixels decode(ImageDecoder &input, const Format &format, std::size_t fileBytes, const Use &use, const Location &where,
                Warnings &warnings) {
     const bool isExr = format.plugin == "openexr"sv;
     const ImageChannels picture = pictureOf(input, isExr, where, warnings);
-    const OIIO::ImageSpec &spec = picture.spec;
+    const ImagePart &part = picture.part;
     const std::vector<int> indices = textureChannels(picture.indices);
-    if (spec.deep || spec.depth > 1 || indices.empty()) failInput(where, "an image that is deep or has no channels", "a flat image");
+    if (!part.isFlat || indices.empty()) failInput(where, "an image that is deep or has no channels", "a flat image");
     const int lastChannel = *std::max_element(indices.begin(), indices.end());
     int firstChannel = lastChannel;
     for (const int index : indices)
         if (index >= 0) firstChannel = std::min(firstChannel, index);
     const int channelCount = lastChannel - firstChannel + 1;
-    checkSize(spec.width, spec.height, channelCount, fileBytes, where);
-    if (isExr) checkSize(spec.full_width, spec.full_height, static_cast<int>(indices.size()), fileBytes, where);
-    const Rectangle data{spec.x, spec.y, spec.x + spec.width, spec.y + spec.height};
-    const Rectangle display = displayWindow(spec, data, isExr, where, warnings);
-    std::vector<float> values(static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height) *
+    checkSize(part.width, part.height, channelCount, fileBytes, where);
+    if (isExr) checkSize(part.fullWidth, part.fullHeight, static_cast<int>(indices.size()), fileBytes, where);
+    const Rectangle data{part.x, part.y, part.x + part.width, part.y + part.height};
+    const Rectangle display = displayWindow(part, data, isExr, where, warnings);
+    std::vector<float> values(static_cast<std::size_t>(part.width) * static_cast<std::size_t>(part.height) *
                               static_cast<std::size_t>(channelCount));
-    if (!input.read_image(picture.part, 0, firstChannel, lastChannel + 1, OIIO::TypeDesc::FLOAT, values.data()))
-        failDecoding(where, input.geterror());
+    input.read(picture.number, firstChannel, lastChannel + 1, values.data());
     Pixels texture = arrange(values, data, firstChannel, channelCount, display, indices);
     holdTexels(texture, use.isRadiance, where, warnings);
     const bool auto_ = use.space == ColorSpace::Auto;
-    if (use.space == ColorSpace::Srgb || (auto_ && isSrgb(spec, format, where, warnings))) decodeSrgb(texture);
+    if (use.space == ColorSpace::Srgb || (auto_ && isSrgb(part, format, where, warnings))) decodeSrgb(texture);
     return texture;
 }
 
 Pixels decodeWith(const Format &format, std::string_view bytes, const Use &use, const Location &where, Warnings &warnings) {
+    const ImageCodec &codec = imageCodec();
     try {
-        OIIO::Filesystem::IOMemReader reader(bytes.data(), bytes.size());
-        const auto input = OIIO::ImageInput::create(format.plugin);
-        if (!input) failDecoding(where, OIIO::geterror());
-        input->set_ioproxy(&reader);
-        OIIO::ImageSpec spec;
-        OIIO::ImageSpec config;
-        config.attribute("oiio:UnassociatedAlpha", 1); // colours as stored, not multiplied by alpha
-        if (!input->open(where.file, spec, config)) failDecoding(where, input->geterror());
-        Pixels texture = decode(*input, format, bytes.size(), use, where, warnings);
-        input->close();
-        return texture;
+        const auto input = codec.open(format.plugin, bytes, where.file);
+        return decode(*input, format, bytes.size(), use, where, warnings);
     } catch (const InputError &) {
         throw;
     } catch (const std::exception &error) {
