@@ -11,11 +11,6 @@ using namespace taut::test;
 
 namespace {
 
-Scene loadFile(const std::string &path, const std::vector<std::string> &overrides = {}) {
-    Warnings warnings;
-    return loadScene(path, overrides, warnings);
-}
-
 /// A roof in the glTF's xy plane and one that rises from it, without normals, in one primitive.
 GltfBuilder roofGltf() {
     GltfBuilder b;
@@ -101,6 +96,48 @@ TEST_CASE("case shared-vertices: primitives over one buffer have each of its ver
         }
     CHECK(corners > 300000);
     CHECK(positions < 70000); // once for each of 200 primitives: 12 million
+}
+
+TEST_CASE("meshes over one buffer read the vertices that they use, sparse ones too", "[gltf]") {
+    const std::string folder = outputFolder("gltf_geometry");
+    constexpr int kRow = 2000; // meshes; each decoding all vertices would be 24 million of them, more than a file of its size may ask for
+    GltfBuilder b;
+    std::vector<float> points;
+    std::vector<float> deltas;
+    for (int i = 0; i < 3 * kRow; ++i)
+        for (int c = 0; c < 3; ++c) {
+            points.push_back(static_cast<float>(c == 0 ? i / 3 + (i % 3 == 1 ? 1 : 0) : c == 1 && i % 3 == 2 ? 1 : 0));
+            deltas.push_back(static_cast<float>(c == 2 ? i : 0));
+        }
+    const int positions = b.addFloats("VEC3", points);
+    const int moved = b.addFloats("VEC3", deltas);
+    // A sparse accessor: the last vertex lies 5 deep.
+    const int place = b.addView(std::string("\x6f\x17", 2)); // 5999
+    std::string value;
+    appendAll(value, {static_cast<float>(kRow - 1), 1.0F, 5.0F});
+    b.json["accessors"][static_cast<std::size_t>(positions)]["sparse"] = {
+        {"count", 1}, {"indices", {{"bufferView", place}, {"componentType", 5123}}}, {"values", {{"bufferView", b.addView(value)}}}};
+    for (int m = 0; m < kRow; ++m) {
+        const auto first = static_cast<std::uint16_t>(3 * m);
+        b.json["meshes"].push_back({{"weights", {1}},
+                                    {"primitives",
+                                     {{{"attributes", {{"POSITION", positions}}},
+                                       {"targets", {{{"POSITION", moved}}}},
+                                       {"indices", b.add<std::uint16_t>("SCALAR", 5123,
+                                                                        {static_cast<std::uint16_t>(first + 1),
+                                                                         static_cast<std::uint16_t>(first + 2), first})}}}}});
+        b.json["nodes"].push_back({{"mesh", m}});
+    }
+    const Scene scene = loadFile(writeTo(folder, "row.gltf", b.gltf()));
+    REQUIRE(scene.objects.size() == kRow);
+    for (std::size_t m = 0; m < kRow; ++m) {
+        const Mesh &mesh = *scene.objects[m].mesh;
+        const auto x = static_cast<float>(m);
+        const float deep = m + 1 == kRow ? 5 : 0;
+        REQUIRE(mesh.positions == std::vector<Vec3>{{x, 0, 0}, {x + 1, 0, 0}, {x, 1, deep}});
+        REQUIRE(mesh.cornerPositions == std::vector<Index>{1, 2, 0});
+        REQUIRE(mesh.morphs.at(0).positionDeltas == std::vector<Vec3>{{0, 0, 3 * x}, {0, 0, 3 * x + 1}, {0, 0, 3 * x + 2}});
+    }
 }
 
 TEST_CASE("a cube of six materials is the cube of one: limit surface, smooth normals, fitted gradients", "[gltf]") {

@@ -8,11 +8,6 @@ using namespace taut::test;
 
 namespace {
 
-Scene loadFile(const std::string &path, const std::vector<std::string> &overrides = {}) {
-    Warnings warnings;
-    return loadScene(path, overrides, warnings);
-}
-
 /// Mean of a channel, weighted with `weight(x, y)`.
 template <class Weight> double meanOf(const std::vector<float> &image, int size, std::size_t channel, const Weight &weight) {
     double sum = 0;

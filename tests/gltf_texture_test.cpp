@@ -8,10 +8,6 @@ using namespace taut::test;
 
 namespace {
 
-Scene loadFile(const std::string &path, const std::vector<std::string> &overrides = {}) {
-    Warnings warnings;
-    return loadScene(path, overrides, warnings);
-}
 std::vector<std::string> warningsOf(const std::string &path) {
     Warnings warnings;
     loadScene(path, {}, warnings);

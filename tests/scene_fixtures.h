@@ -87,6 +87,11 @@ inline std::string sceneFolder(const std::string &name) {
     return folder;
 }
 
+inline Scene loadFile(const std::string &path, const std::vector<std::string> &overrides = {}) {
+    Warnings warnings;
+    return loadScene(path, overrides, warnings);
+}
+
 inline Scene loadText(const std::string &folder, const std::string &toml, const std::vector<std::string> &overrides = {}) {
     Warnings warnings;
     return loadScene(writeTo(folder, "scene.toml", toml), overrides, warnings);

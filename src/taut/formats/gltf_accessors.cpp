@@ -81,7 +81,9 @@ struct Layout {
 };
 
 /// Overwrites the elements that a sparse accessor lists.
-template <class T> void applySparse(const GltfSource &source, const GltfValue &sparse, const Layout &layout, std::vector<T> &values) {
+template <class T>
+void applySparse(const GltfSource &source, const GltfValue &sparse, const Layout &layout, const std::vector<Index> *wanted,
+                 std::vector<T> &values) {
     const auto count = static_cast<std::size_t>(sparse["count"].integer(0));
     if (count == 0 || count > layout.count)
         sparse["count"].fail(std::to_string(count), "1 to " + std::to_string(layout.count) + ", the accessor's count");
@@ -97,11 +99,19 @@ template <class T> void applySparse(const GltfSource &source, const GltfValue &s
             listed.fail("index " + std::to_string(static_cast<long long>(index)) + " at place " + std::to_string(i),
                         "increasing indices below " + std::to_string(layout.count));
         last = index;
-        layout.read(replacing.data + i * replacing.stride, &values[static_cast<std::size_t>(index) * layout.components]);
+        auto place = static_cast<std::size_t>(index);
+        if (wanted != nullptr) {
+            const auto at = std::lower_bound(wanted->begin(), wanted->end(), static_cast<Index>(index));
+            if (at == wanted->end() || *at != static_cast<Index>(index)) continue;
+            place = static_cast<std::size_t>(at - wanted->begin());
+        }
+        layout.read(replacing.data + i * replacing.stride, &values[place * layout.components]);
     }
 }
 
-template <class T> std::vector<T> decode(const GltfSource &source, const GltfValue &reference, int components, bool integersOnly) {
+template <class T>
+std::vector<T> decode(const GltfSource &source, const GltfValue &reference, int components, bool integersOnly,
+                      const std::vector<Index> *wanted) {
     const std::string &use = reference.path();
     const GltfValue accessors = source["accessors"];
     const GltfValue accessor = accessors[reference.index(accessors.size(), "accessors")];
@@ -120,14 +130,16 @@ template <class T> std::vector<T> decode(const GltfSource &source, const GltfVal
     Elements elements;
     if (inBuffer) elements = elementsOf(source, accessor, layout.count, layout.type.bytes * layout.components, true);
     // Accessors may be shared by any number of users: the sum is what has to stay in proportion to the file.
-    source.decodedBytes += layout.count * layout.components * sizeof(T);
+    const std::size_t count = wanted != nullptr ? wanted->size() : layout.count;
+    source.decodedBytes += count * layout.components * sizeof(T);
     if (source.decodedBytes > source.decodedBudget())
         accessor.fail("data shared so often that they take " + std::to_string(source.decodedBytes) + " bytes",
                       "at most " + std::to_string(source.decodedBudget()));
-    std::vector<T> values(layout.count * layout.components, T(0));
+    std::vector<T> values(count * layout.components, T(0));
     if (inBuffer)
-        for (std::size_t i = 0; i < layout.count; ++i) layout.read(elements.data + i * elements.stride, &values[i * layout.components]);
-    if (accessor.has("sparse")) applySparse(source, accessor["sparse"], layout, values);
+        for (std::size_t i = 0; i < count; ++i)
+            layout.read(elements.data + (wanted != nullptr ? (*wanted)[i] : i) * elements.stride, &values[i * layout.components]);
+    if (accessor.has("sparse")) applySparse(source, accessor["sparse"], layout, wanted, values);
     return values;
 }
 
@@ -146,16 +158,24 @@ std::span<const unsigned char> gltfBufferView(const GltfSource &source, const Gl
     return bytes.subspan(offset, length);
 }
 
-std::vector<float> accessorFloats(const GltfSource &source, const GltfValue &reference, int components) {
-    std::vector<float> values = decode<float>(source, reference, components, false);
+std::size_t accessorCount(const GltfSource &source, const GltfValue &reference) {
+    const GltfValue accessors = source["accessors"];
+    return static_cast<std::size_t>(accessors[reference.index(accessors.size(), "accessors")]["count"].integer(0));
+}
+
+std::vector<float> accessorFloats(const GltfSource &source, const GltfValue &reference, int components, const std::vector<Index> *wanted) {
+    std::vector<float> values = decode<float>(source, reference, components, false, wanted);
     const auto bad = std::find_if(values.begin(), values.end(), [](float v) { return !std::isfinite(v); });
-    if (bad != values.end())
-        reference.fail("a number that is not finite in element " + std::to_string((bad - values.begin()) / components), "finite numbers");
+    if (bad != values.end()) {
+        const auto place = static_cast<std::size_t>((bad - values.begin()) / components);
+        reference.fail("a number that is not finite in element " + std::to_string(wanted != nullptr ? (*wanted)[place] : place),
+                       "finite numbers");
+    }
     return values;
 }
 
-std::vector<Index> accessorIndices(const GltfSource &source, const GltfValue &reference, int components) {
-    return decode<Index>(source, reference, components, true);
+std::vector<Index> accessorIndices(const GltfSource &source, const GltfValue &reference, int components, const std::vector<Index> *wanted) {
+    return decode<Index>(source, reference, components, true, wanted);
 }
 
 } // namespace taut

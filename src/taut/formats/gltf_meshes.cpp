@@ -42,34 +42,49 @@ void appendSkin(SkinWeights &whole, SkinWeights &&part, std::size_t before, std:
     whole.weights.insert(whole.weights.end(), part.weights.begin(), part.weights.end());
 }
 
-/// Puts primitives together. Those over the same attributes share their vertices, which are read once.
+/// Numbers below `limit`, increasing, each once.
+std::vector<Index> sortedOnce(std::vector<Index> numbers, std::size_t limit) {
+    if (numbers.size() < limit / 8) { // a small part: in time of its own size
+        std::sort(numbers.begin(), numbers.end());
+        numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+        return numbers;
+    }
+    std::vector<char> isThere(limit, 0);
+    for (const Index number : numbers) isThere[number] = 1;
+    numbers.clear();
+    for (std::size_t number = 0; number < limit; ++number)
+        if (isThere[number] != 0) numbers.push_back(static_cast<Index>(number));
+    return numbers;
+}
+
+/// Puts primitives together. Those over the same attributes share their vertices, of which those that triangles use are read, once:
+/// files share one pool of vertices among meshes that use a few of them each.
 class MeshJoiner {
   public:
     explicit MeshJoiner(Mesh &mesh) : mesh_(mesh) {}
 
     void add(const GltfPrimitive &primitive, const std::vector<std::string> &targetNames, Index slot) {
         const std::string key = primitive.attributes.dump() + primitive.gltf["targets"].dump();
-        auto found = groups_.find(key);
-        if (found == groups_.end()) found = groups_.emplace(key, append(readGltfVertices(primitive, targetNames))).first;
-        const Group &group = found->second;
-        for (const Index corner : readGltfTriangles(primitive, group.count)) {
-            const Index vertex = group.first + corner;
-            mesh_.cornerPositions.push_back(vertex);
-            normals_.push_back(group.hasNormals ? vertex : kNone);
-            tangents_.push_back(group.hasTangents ? vertex : kNone);
+        const auto [found, isNew] = groupOf_.try_emplace(key, groups_.size());
+        if (isNew) {
+            checkVertices(primitive, targetNames);
+            groups_.push_back({primitive, {}});
         }
-        lacksNormals_ |= !group.hasNormals;
-        lacksStoredM_ |= !group.hasStoredM;
-        while (mesh_.faceOffsets.back() < mesh_.cornerPositions.size()) {
-            mesh_.faceOffsets.push_back(mesh_.faceOffsets.back() + 3);
-            mesh_.faceMaterials.push_back(slot);
-        }
+        Part part{found->second, slot, readGltfTriangles(primitive)};
+        std::vector<Index> &wanted = groups_[part.group].wanted;
+        wanted.insert(wanted.end(), part.corners.begin(), part.corners.end());
+        parts_.push_back(std::move(part));
     }
 
     /// Whether a primitive had no normals of its own.
     [[nodiscard]] bool lacksNormals() const { return lacksNormals_; }
 
-    void finish(const std::string &place, std::size_t slots, Warnings &warnings) {
+    void finish(const std::string &place, const std::vector<std::string> &targetNames, std::size_t slots, Warnings &warnings) {
+        for (Group &group : groups_) {
+            group.wanted = sortedOnce(std::move(group.wanted), gltfVertexCount(group.primitive));
+            append(group, readGltfVertices(group.primitive, group.wanted, targetNames));
+        }
+        for (const Part &part : parts_) appendTriangles(part);
         if (!mesh_.normals.empty()) mesh_.cornerNormals = std::move(normals_);
         if (!mesh_.tangents.empty()) mesh_.cornerTangents = std::move(tangents_);
         // Every corner has UVs and a colour where any has, so that subdivision can carry them: at (0, 0), white.
@@ -89,15 +104,32 @@ class MeshJoiner {
   private:
     /// Vertices of one set of attributes.
     struct Group {
-        Index first = 0;
-        std::size_t count = 0;
+        GltfPrimitive primitive;   ///< the first that has it
+        std::vector<Index> wanted; ///< its vertices that triangles use
+        Index first = 0;           ///< in the mesh
         bool hasNormals = false, hasTangents = false, hasStoredM = false;
     };
+    /// The triangles of one primitive.
+    struct Part {
+        std::size_t group;
+        Index slot;
+        std::vector<Index> corners; ///< vertices of the primitive
+    };
 
-    Group append(Mesh &&part) {
+    /// Fails on vertices that can't be read, before indices into them are looked at.
+    static void checkVertices(const GltfPrimitive &primitive, const std::vector<std::string> &targetNames) {
+        Warnings later;
+        Tally counted;
+        readGltfVertices({primitive.source, primitive.gltf, primitive.name, later, counted}, {}, targetNames);
+    }
+
+    void append(Group &group, Mesh &&part) {
         const std::size_t before = mesh_.positions.size();
         const std::size_t count = part.positions.size();
-        const Group group{static_cast<Index>(before), count, !part.normals.empty(), !part.tangents.empty(), !part.storedM.empty()};
+        group.first = static_cast<Index>(before);
+        group.hasNormals = !part.normals.empty();
+        group.hasTangents = !part.tangents.empty();
+        group.hasStoredM = !part.storedM.empty();
         if (mesh_.morphs.empty() && before == 0) {
             mesh_.morphs = std::move(part.morphs);
         } else {
@@ -111,7 +143,25 @@ class MeshJoiner {
         appendValues(mesh_.storedM, std::move(part.storedM), before, count, Vec3(10, 0, 10));
         appendSkin(mesh_.skin, std::move(part.skin), before, count);
         appendValues(mesh_.positions, std::move(part.positions), before, count, Vec3(0));
-        return group;
+    }
+
+    void appendTriangles(const Part &part) {
+        const Group &group = groups_[part.group];
+        const std::vector<Index> &wanted = group.wanted;
+        const bool all = wanted.size() == wanted.back() + std::size_t{1};
+        for (const Index corner : part.corners) {
+            const auto place = all ? corner : static_cast<Index>(std::lower_bound(wanted.begin(), wanted.end(), corner) - wanted.begin());
+            const Index vertex = group.first + place;
+            mesh_.cornerPositions.push_back(vertex);
+            normals_.push_back(group.hasNormals ? vertex : kNone);
+            tangents_.push_back(group.hasTangents ? vertex : kNone);
+        }
+        lacksNormals_ |= !group.hasNormals;
+        lacksStoredM_ |= !group.hasStoredM;
+        while (mesh_.faceOffsets.back() < mesh_.cornerPositions.size()) {
+            mesh_.faceOffsets.push_back(mesh_.faceOffsets.back() + 3);
+            mesh_.faceMaterials.push_back(part.slot);
+        }
     }
 
     static void appendMorph(MorphTarget &morph, MorphTarget &&part, std::size_t before, std::size_t count) {
@@ -119,7 +169,7 @@ class MeshJoiner {
         appendValues(morph.normalDeltas, std::move(part.normalDeltas), before, count, Vec3(0));
     }
 
-    /// Files share one pool of vertices among meshes that use a few of them each.
+    /// Those of faces that were dropped.
     void dropUnusedVertices() {
         std::vector<Index> to(mesh_.positions.size(), kNone);
         for (const Index v : mesh_.cornerPositions) to[v] = 0;
@@ -166,7 +216,9 @@ class MeshJoiner {
     }
 
     Mesh &mesh_;
-    std::map<std::string, Group> groups_;
+    std::vector<Group> groups_;
+    std::map<std::string, std::size_t> groupOf_; // by attributes and targets
+    std::vector<Part> parts_;
     std::vector<Index> normals_, tangents_; // [corners]
     bool lacksNormals_ = false;
     bool lacksStoredM_ = false;
@@ -219,7 +271,7 @@ Index readMesh(const GltfSource &source, const GltfValue &gltf, const std::strin
         joiner.add(primitive, targetNames, number);
     }
     if (slots.empty()) return kNone;
-    joiner.finish(primitives.size() == 1 ? primitives[0].place() : gltf.place(), slots.size(), warnings);
+    joiner.finish(primitives.size() == 1 ? primitives[0].place() : gltf.place(), targetNames, slots.size(), warnings);
     if (mesh.faceCount() == 0) return kNone; // dropDegenerateFaces has said so
     if (slots.size() > 1)
         for (const GltfSlot &slot : slots) mesh.materialNames.push_back(slot.material == kNone ? "" : file.materials[slot.material].name);

@@ -11,8 +11,23 @@ namespace taut {
 
 namespace {
 
-template <class V> std::vector<V> readVectors(const GltfSource &source, const GltfValue &reference) {
-    const std::vector<float> values = accessorFloats(source, reference, V::length());
+/// The vertices of a primitive that are read.
+struct Vertices {
+    const GltfPrimitive &primitive;
+    const std::vector<Index> &wanted;
+    std::size_t all = gltfVertexCount(primitive);
+
+    [[nodiscard]] std::size_t count() const { return wanted.size(); }
+    /// Every attribute has a value for every vertex.
+    void check(const GltfValue &reference) const {
+        const std::size_t found = accessorCount(primitive.source, reference);
+        if (found != all) reference.fail(std::to_string(found) + " elements", std::to_string(all) + ", the count of POSITION");
+    }
+};
+
+template <class V> std::vector<V> readVectors(const Vertices &vertices, const GltfValue &reference) {
+    const std::vector<float> values = accessorFloats(vertices.primitive.source, reference, V::length(), &vertices.wanted);
+    vertices.check(reference);
     std::vector<V> vectors(values.size() / static_cast<std::size_t>(V::length()));
     for (std::size_t i = 0; i < vectors.size(); ++i)
         for (int c = 0; c < V::length(); ++c)
@@ -20,17 +35,10 @@ template <class V> std::vector<V> readVectors(const GltfSource &source, const Gl
     return vectors;
 }
 
-void checkVertexCount(const GltfValue &reference, std::size_t found, std::size_t positions) {
-    if (found != positions) reference.fail(std::to_string(found) + " elements", std::to_string(positions) + ", the count of POSITION");
-}
-
 /// An optional vertex attribute; empty where the primitive lacks it.
-template <class V> std::vector<V> readAttribute(const GltfPrimitive &primitive, std::string_view attribute, std::size_t positions) {
-    const GltfValue reference = primitive.attributes[attribute];
-    if (!reference.present()) return {};
-    std::vector<V> values = readVectors<V>(primitive.source, reference);
-    checkVertexCount(reference, values.size(), positions);
-    return values;
+template <class V> std::vector<V> readAttribute(const Vertices &vertices, std::string_view attribute) {
+    const GltfValue reference = vertices.primitive.attributes[attribute];
+    return reference.present() ? readVectors<V>(vertices, reference) : std::vector<V>();
 }
 
 /// The accessor that an attribute names, whose index has been checked.
@@ -72,16 +80,16 @@ std::vector<Index> readIndices(const GltfPrimitive &primitive, std::size_t posit
 }
 
 /// COLOR_0: three or four components, floats or normalised integers; linear, at most 1.
-std::vector<Vec4> readColors(const GltfPrimitive &primitive, std::size_t positions) {
+std::vector<Vec4> readColors(const Vertices &vertices) {
+    const GltfPrimitive &primitive = vertices.primitive;
     const GltfValue reference = primitive.attributes["COLOR_0"];
     if (!reference.present()) return {};
     const GltfValue accessor = accessorOf(primitive.source, reference);
     std::vector<Vec4> colors;
     if (accessor["type"].text() == "VEC3")
-        for (const Vec3 &color : readVectors<Vec3>(primitive.source, reference)) colors.emplace_back(color, 1);
+        for (const Vec3 &color : readVectors<Vec3>(vertices, reference)) colors.emplace_back(color, 1);
     else
-        colors = readVectors<Vec4>(primitive.source, reference);
-    checkVertexCount(reference, colors.size(), positions);
+        colors = readVectors<Vec4>(vertices, reference);
     std::size_t outside = 0;
     for (Vec4 &color : colors) {
         const Vec4 held = glm::clamp(color, Vec4(0), Vec4(1));
@@ -89,7 +97,7 @@ std::vector<Vec4> readColors(const GltfPrimitive &primitive, std::size_t positio
         color = held;
     }
     if (outside != 0)
-        primitive.warnings.add(reference.place() + ": " + std::to_string(outside) + " of " + std::to_string(positions) +
+        primitive.warnings.add(reference.place() + ": " + std::to_string(outside) + " of " + std::to_string(colors.size()) +
                                " colours are outside 0 to 1 and held there");
     return colors;
 }
@@ -119,7 +127,8 @@ struct InfluenceSet {
     std::vector<float> weights;
 };
 
-std::vector<InfluenceSet> readInfluenceSets(const GltfPrimitive &primitive, std::size_t positions) {
+std::vector<InfluenceSet> readInfluenceSets(const Vertices &vertices) {
+    const GltfPrimitive &primitive = vertices.primitive;
     std::vector<InfluenceSet> sets;
     while (true) {
         const std::string number = std::to_string(sets.size());
@@ -130,25 +139,27 @@ std::vector<InfluenceSet> readInfluenceSets(const GltfPrimitive &primitive, std:
             primitive.attributes.fail("no " + std::string(joints.present() ? "WEIGHTS_" : "JOINTS_") + number,
                                       "JOINTS_n and WEIGHTS_n in pairs");
         InfluenceSet set;
-        set.joints = accessorIndices(primitive.source, joints, 4);
-        set.weights = accessorFloats(primitive.source, weights, 4);
-        checkVertexCount(joints, set.joints.size() / 4, positions);
-        checkVertexCount(weights, set.weights.size() / 4, positions);
+        set.joints = accessorIndices(primitive.source, joints, 4, &vertices.wanted);
+        set.weights = accessorFloats(primitive.source, weights, 4, &vertices.wanted);
+        vertices.check(joints);
+        vertices.check(weights);
         for (std::size_t i = 0; i < set.weights.size(); ++i)
             if (set.weights[i] < 0)
-                weights.fail("weight " + std::to_string(set.weights[i]) + " in element " + std::to_string(i / 4), "weights from 0 to 1");
+                weights.fail("weight " + std::to_string(set.weights[i]) + " in element " + std::to_string(vertices.wanted[i / 4]),
+                             "weights from 0 to 1");
         sets.push_back(std::move(set));
     }
 }
 
-SkinWeights readSkinWeights(const GltfPrimitive &primitive, std::size_t positions) {
-    const std::vector<InfluenceSet> sets = readInfluenceSets(primitive, positions);
+SkinWeights readSkinWeights(const Vertices &vertices) {
+    const GltfPrimitive &primitive = vertices.primitive;
+    const std::vector<InfluenceSet> sets = readInfluenceSets(vertices);
     SkinWeights skin;
     if (sets.empty()) return skin;
     std::size_t unweighted = 0;
     std::size_t rescaled = 0;
     skin.offsets.push_back(0);
-    for (std::size_t v = 0; v < positions; ++v) {
+    for (std::size_t v = 0; v < vertices.count(); ++v) {
         double sum = 0;
         for (const InfluenceSet &set : sets)
             for (std::size_t i = 4 * v; i < 4 * v + 4; ++i) sum += static_cast<double>(set.weights[i]);
@@ -165,7 +176,7 @@ SkinWeights readSkinWeights(const GltfPrimitive &primitive, std::size_t position
             ++rescaled;
     }
     const std::string prefix = primitive.gltf.place() + " (" + taut::quoted(primitive.name) + "): ";
-    const std::string of = " of " + std::to_string(positions) + " vertices";
+    const std::string of = " of " + std::to_string(vertices.count()) + " vertices";
     if (unweighted != 0) primitive.warnings.add(prefix + std::to_string(unweighted) + of + " have no skin weight and follow no joint");
     if (rescaled != 0)
         primitive.warnings.add(prefix + "the skin weights of " + std::to_string(rescaled) + of + " did not sum to 1 and were rescaled");
@@ -175,8 +186,8 @@ SkinWeights readSkinWeights(const GltfPrimitive &primitive, std::size_t position
 // --- morph targets ---------------------------------------------------------------------------------------------------
 
 /// A target's NORMAL adds to the primitive's own, where it has one; tangents go with the surface, whatever a target says of them.
-std::vector<MorphTarget> readMorphs(const GltfPrimitive &primitive, const std::vector<std::string> &names, std::size_t positions,
-                                    bool hasNormals) {
+std::vector<MorphTarget> readMorphs(const Vertices &vertices, const std::vector<std::string> &names, bool hasNormals) {
+    const GltfPrimitive &primitive = vertices.primitive;
     const GltfValue targets = primitive.gltf["targets"];
     std::vector<MorphTarget> morphs;
     for (std::size_t t = 0; t < targets.size(); ++t) {
@@ -188,14 +199,10 @@ std::vector<MorphTarget> readMorphs(const GltfPrimitive &primitive, const std::v
         MorphTarget morph;
         morph.name = names[t];
         if (position.present())
-            morph.positionDeltas = readVectors<Vec3>(primitive.source, position);
+            morph.positionDeltas = readVectors<Vec3>(vertices, position);
         else
-            morph.positionDeltas.assign(positions, Vec3(0));
-        checkVertexCount(position, morph.positionDeltas.size(), positions);
-        if (normal.present() && hasNormals) {
-            morph.normalDeltas = readVectors<Vec3>(primitive.source, normal);
-            checkVertexCount(normal, morph.normalDeltas.size(), positions);
-        }
+            morph.positionDeltas.assign(vertices.count(), Vec3(0));
+        if (normal.present() && hasNormals) morph.normalDeltas = readVectors<Vec3>(vertices, normal);
         morphs.push_back(std::move(morph));
     }
     return morphs;
@@ -204,61 +211,67 @@ std::vector<MorphTarget> readMorphs(const GltfPrimitive &primitive, const std::v
 // --- what `taut export` wrote ------------------------------------------------------------------------------------------
 
 /// M at every vertex, of a file that `taut export` wrote; empty where there is none, or no frame for it.
-std::vector<Vec3> readStoredM(const GltfPrimitive &primitive, std::size_t positions) {
+std::vector<Vec3> readStoredM(const Vertices &vertices) {
+    const GltfPrimitive &primitive = vertices.primitive;
     const GltfValue stored = primitive.attributes["_TAUT_M"];
-    std::vector<Vec3> m = readAttribute<Vec3>(primitive, "_TAUT_M", positions);
+    std::vector<Vec3> m = readAttribute<Vec3>(vertices, "_TAUT_M");
     for (std::size_t v = 0; v < m.size(); ++v)
         if (!(m[v].x > 0 && m[v].z > 0))
-            stored.fail(std::to_string(m[v].x) + " and " + std::to_string(m[v].z) + " on the diagonal in element " + std::to_string(v),
+            stored.fail(std::to_string(m[v].x) + " and " + std::to_string(m[v].z) + " on the diagonal in element " +
+                            std::to_string(vertices.wanted[v]),
                         "numbers above 0");
     if (m.empty()) return m;
     if (!(primitive.attributes.has("NORMAL") && primitive.attributes.has("TANGENT"))) {
         primitive.warnings.add(stored.place() + " is left out: it needs NORMAL and TANGENT");
         return {};
     }
-    const std::vector<Vec2> lean = readAttribute<Vec2>(primitive, "_TAUT_LEAN", positions);
+    const std::vector<Vec2> lean = readAttribute<Vec2>(vertices, "_TAUT_LEAN");
     if (std::any_of(lean.begin(), lean.end(), [](const Vec2 &l) { return l != Vec2(0); }))
         primitive.warnings.add(primitive.attributes["_TAUT_LEAN"].place() + ": a stored M is taken as upright");
     return m;
 }
 
+bool isRead(std::string_view attribute) {
+    for (const std::string_view known : {"POSITION", "NORMAL", "TANGENT", "TEXCOORD_0", "TEXCOORD_1", "COLOR_0", "_TAUT_M", "_TAUT_LEAN"})
+        if (attribute == known) return true;
+    return attribute.substr(0, 7) == "JOINTS_" || attribute.substr(0, 8) == "WEIGHTS_";
+}
+
 /// Counts the attributes that nothing reads.
 void tallyAttributes(const GltfPrimitive &primitive) {
-    const auto isRead = [](std::string_view name) {
-        for (const std::string_view known :
-             {"POSITION", "NORMAL", "TANGENT", "TEXCOORD_0", "TEXCOORD_1", "COLOR_0", "_TAUT_M", "_TAUT_LEAN"})
-            if (name == known) return true;
-        return name.substr(0, 7) == "JOINTS_" || name.substr(0, 8) == "WEIGHTS_" || name.substr(0, 6) == "_TAUT_";
-    };
     for (const std::string &name : primitive.attributes.keys())
-        if (!isRead(name)) primitive.leftOut.add(name);
+        if (!isRead(name) && name.substr(0, 6) != "_TAUT_") primitive.leftOut.add(name);
 }
 
 } // namespace
 
-Mesh readGltfVertices(const GltfPrimitive &primitive, const std::vector<std::string> &targetNames) {
-    Mesh mesh;
+std::size_t gltfVertexCount(const GltfPrimitive &primitive) {
     const GltfValue position = primitive.attributes["POSITION"];
     if (!position.present()) primitive.attributes.fail("no POSITION", "'POSITION'");
-    mesh.positions = readVectors<Vec3>(primitive.source, position);
-    const std::size_t positions = mesh.positions.size();
-    mesh.normals = readAttribute<Vec3>(primitive, "NORMAL", positions);
-    mesh.tangents = readAttribute<Vec4>(primitive, "TANGENT", positions);
-    mesh.uvs = readAttribute<Vec2>(primitive, "TEXCOORD_0", positions);
-    mesh.uvs1 = readAttribute<Vec2>(primitive, "TEXCOORD_1", positions);
+    return accessorCount(primitive.source, position);
+}
+
+Mesh readGltfVertices(const GltfPrimitive &primitive, const std::vector<Index> &wanted, const std::vector<std::string> &targetNames) {
+    const Vertices vertices{primitive, wanted};
+    Mesh mesh;
+    mesh.positions = readVectors<Vec3>(vertices, primitive.attributes["POSITION"]);
+    mesh.normals = readAttribute<Vec3>(vertices, "NORMAL");
+    mesh.tangents = readAttribute<Vec4>(vertices, "TANGENT");
+    mesh.uvs = readAttribute<Vec2>(vertices, "TEXCOORD_0");
+    mesh.uvs1 = readAttribute<Vec2>(vertices, "TEXCOORD_1");
     if (mesh.uvs.empty()) mesh.uvs = mesh.uvs1; // tangents follow the only set
     for (std::vector<Vec2> *uvs : {&mesh.uvs, &mesh.uvs1})
         for (Vec2 &uv : *uvs) uv.y = 1 - uv.y;
-    mesh.colors = readColors(primitive, positions);
-    mesh.storedM = readStoredM(primitive, positions);
-    mesh.morphs = readMorphs(primitive, targetNames, positions, !mesh.normals.empty());
-    mesh.skin = readSkinWeights(primitive, positions);
+    mesh.colors = readColors(vertices);
+    mesh.storedM = readStoredM(vertices);
+    mesh.morphs = readMorphs(vertices, targetNames, !mesh.normals.empty());
+    mesh.skin = readSkinWeights(vertices);
     tallyAttributes(primitive);
     return mesh;
 }
 
-std::vector<Index> readGltfTriangles(const GltfPrimitive &primitive, std::size_t vertices) {
-    return triangleCorners(primitive, readIndices(primitive, vertices));
+std::vector<Index> readGltfTriangles(const GltfPrimitive &primitive) {
+    return triangleCorners(primitive, readIndices(primitive, gltfVertexCount(primitive)));
 }
 
 } // namespace taut

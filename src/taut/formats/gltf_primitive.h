@@ -21,11 +21,14 @@ struct GltfPrimitive {
     long long mode = gltf["mode"].integer(kGltfTriangles);
 };
 
-/// Its vertices, as a mesh without faces: arrays of one length, or empty where the primitive lacks the attribute. Of `mesh`, the names of
-/// the morph targets count.
-Mesh readGltfVertices(const GltfPrimitive &primitive, const std::vector<std::string> &targetNames);
+/// The number of its vertices: the count of POSITION.
+std::size_t gltfVertexCount(const GltfPrimitive &primitive);
 
-/// The corners of its triangles, three each, into its vertices, of which there are `vertices`.
-std::vector<Index> readGltfTriangles(const GltfPrimitive &primitive, std::size_t vertices);
+/// The corners of its triangles, three each, into its vertices.
+std::vector<Index> readGltfTriangles(const GltfPrimitive &primitive);
+
+/// Those of its vertices that are `wanted`, increasing numbers, as a mesh without faces: arrays of one length, or empty where the
+/// primitive lacks the attribute. With the names of the morph targets.
+Mesh readGltfVertices(const GltfPrimitive &primitive, const std::vector<Index> &wanted, const std::vector<std::string> &targetNames);
 
 } // namespace taut
