@@ -6,6 +6,7 @@
 
 #include <catch2/catch.hpp>
 
+#include <iostream>
 #include <malloc.h>
 
 using namespace taut;
