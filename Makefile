@@ -1,14 +1,15 @@
-# taut: make (build), make demo, make test, make bench, make deps. On a fresh Debian 12 machine `make demo` and `make test`
+# taut: make (build), make demo, make test, make bench, make python, make deps. On a fresh Debian 12 machine `make demo` and `make test`
 # install what is missing and need nothing else.
 
 BUILD := build/release
 SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
+PYTHON_PACKAGES := python3-dev pybind11-dev python3-numpy python3-pytest
 PACKAGES := g++ cmake ninja-build pkg-config libopenmesh-dev libosd-dev libembree-dev libglm-dev libopenimageio-dev openimageio-tools \
             libtbb-dev libtomlplusplus-dev libcli11-dev libfmt-dev nlohmann-json3-dev catch2 \
-            ffmpeg gnuplot-nox fonts-dejavu-core
+            ffmpeg gnuplot-nox fonts-dejavu-core $(PYTHON_PACKAGES)
 MISSING := $(shell for p in $(PACKAGES); do dpkg-query -W -f='$${Status}' $$p 2>/dev/null | grep -q 'install ok installed' || echo $$p; done)
 
-.PHONY: all build deps export-tools demo test bench sanitize format clean
+.PHONY: all build deps python export-tools demo test bench sanitize format clean
 
 all: build
 
@@ -21,6 +22,13 @@ ifneq ($(MISSING),)
 	$(SUDO) apt-get update -qq
 	$(SUDO) env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $(MISSING)
 endif
+
+# The module taut for the system's Python: import taut. PYTHON_FOLDER=... puts it elsewhere.
+python: deps
+	cmake --preset release $(if $(PYTHON_FOLDER),-D TAUT_PYTHON_FOLDER="$(abspath $(PYTHON_FOLDER))")
+	cmake --build --preset release --target taut_python
+	$(if $(PYTHON_FOLDER),,$(SUDO)) cmake --install $(BUILD) --component python
+	/usr/bin/python3 -c "import $(if $(PYTHON_FOLDER),sys; sys.path.insert(0, '$(abspath $(PYTHON_FOLDER))'); import )taut; print('taut', taut.__version__, 'in', taut.__path__[0])"
 
 # What the tests of `taut export` read its files with; without it they say that they were skipped.
 export-tools:

@@ -1,0 +1,4 @@
+#include "arrays.h"
+namespace taut::python {
+void addScene(py::module_ &) {}
+} // namespace taut::python
