@@ -36,5 +36,6 @@ template <class T> Array<T> newRows(std::size_t rows, std::size_t columns) {
 void addGloss(py::module_ &module);
 void addMicrosurface(py::module_ &module);
 void addScene(py::module_ &module);
+void addImage(py::module_ &module);
 
 } // namespace taut::python

@@ -35,4 +35,5 @@ PYBIND11_MODULE(_taut, module) {
     taut::python::addGloss(module);
     taut::python::addMicrosurface(module);
     taut::python::addScene(module);
+    taut::python::addImage(module);
 }

@@ -8,6 +8,7 @@
     taut.gloss(rest, deformed, faces, ...)      one frame, one call
     taut.microsurface                           D, G1, G2, evaluate, pdf, sample, weight, albedo, walk, ... any M per row
     taut.Scene("scene.toml")                    a scene from a file, a dict of the scene file's keys, arrays: render, plan, export
+    taut.write_image(path, picture), taut.read_image(path)   .exr and .png
     taut.copies()                               arrays that had to be copied on their way in
     taut.limit_threads(n)                       0: all
 
@@ -26,7 +27,9 @@ Source: "Microsurface Transformations", Computer Graphics Forum 41(4), 2022; doc
 from . import microsurface
 from ._arrays import copies
 from ._gloss import Gloss, VertexGloss, gloss
+from ._image import read_image, write_image
+from ._scene import Refinement, Scene
 from ._taut import InputError, RunError, limit_threads
 from ._taut import version as __version__
 
-__all__ = ["Gloss", "InputError", "RunError", "VertexGloss", "copies", "gloss", "limit_threads", "microsurface"]
+__all__ = ["Gloss", "InputError", "Refinement", "RunError", "Scene", "VertexGloss", "copies", "gloss", "limit_threads", "microsurface", "read_image", "write_image"]

@@ -2,6 +2,7 @@
 /// What the parts of the scene loader share: the scene being built, and what has already been read. Internal to `scene/`.
 
 #include "taut/formats/gltf.h"
+#include "taut/scene/load_scene.h"
 #include "taut/scene/rules.h"
 #include "taut/scene/scene.h"
 #include "taut/scene/table_reader.h"
@@ -27,6 +28,7 @@ struct LoadContext {
     Scene scene;
     Warnings &warnings;
     std::string folder; ///< relative paths start here
+    std::map<std::string, GivenMesh> given{}; ///< SceneTree::meshes
 
     // Every file is read once.
     std::map<std::string, std::shared_ptr<const GltfFile>> gltfFiles{};
