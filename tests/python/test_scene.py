@@ -152,6 +152,26 @@ def test_arrays_are_read_where_they_are():
     np.testing.assert_array_equal(scene.render(2)["rgb"], first)
 
 
+def test_gloss_follows_at_frames_that_no_plan_has_seen(file):
+    # A plan for frames at rest would keep the rest material.
+    late = sheet(sheared)
+    late["render"]["frames"] = "1"
+    expected = taut.Scene(sheet(sheared), model="full").render(4, spp=64, aovs="alpha")["alpha"]
+    for scene in (taut.Scene(late), taut.Scene(file, ["render.frames=1"])):
+        scene.render(1)
+        found = scene.render(4, spp=64, aovs="alpha")["alpha"]
+        inside = (found[..., 0] > 0) & (expected[..., 0] > 0)
+        assert np.abs(found - expected)[inside].mean() < 2e-3 and np.ptp(expected[inside][:, 0]) < 0.01
+    held = np.empty((1, *POINTS.shape), "f4")
+    held[0] = sheared(1)
+    scene = taut.Scene(sheet(held))
+    scene.render(1)
+    held[0] = sheared(4)
+    found = scene.render(1, spp=64, aovs="alpha")["alpha"]
+    inside = (found[..., 0] > 0) & (expected[..., 0] > 0)
+    np.testing.assert_allclose(found[inside], expected[inside], atol=2e-3)
+
+
 def test_motion_blur_asks_between_frames():
     asked = []
 

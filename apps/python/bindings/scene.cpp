@@ -45,13 +45,14 @@ std::shared_ptr<PythonScene> loadPythonScene(const py::object &source, const std
         const auto path = py::cast<std::string>(source);
         const py::gil_scoped_release unlocked;
         Scene scene = loadScene(path, overrides, warnings);
-        return std::make_shared<PythonScene>(std::move(scene), std::move(warnings), options);
+        return std::make_shared<PythonScene>(std::move(scene), std::move(warnings), options, false);
     }
     SceneTree tree{treeOf(source, ""), "scene", folder, {}};
     for (const auto &[name, mesh] : given) tree.meshes.emplace(name, givenMesh(mesh, py::cast<double>(mesh[6])));
+    const bool points = std::any_of(tree.meshes.begin(), tree.meshes.end(), [](const auto &mesh) { return mesh.second.points != nullptr; });
     const py::gil_scoped_release unlocked;
     Scene scene = loadScene(std::move(tree), overrides, warnings);
-    return std::make_shared<PythonScene>(std::move(scene), std::move(warnings), options);
+    return std::make_shared<PythonScene>(std::move(scene), std::move(warnings), options, points);
 }
 
 /// (name, its channels in a film) of every AOV.

@@ -54,15 +54,22 @@ template <class V> Array<float> arrayOf(const std::vector<V> &values) {
 
 } // namespace
 
-PythonScene::PythonScene(Scene scene, Warnings warnings, PlanOptions plan)
-    : loaded_(std::move(scene)), warnings_(std::move(warnings)), planOptions_(plan) {}
+PythonScene::PythonScene(Scene scene, Warnings warnings, PlanOptions plan, bool pointsOfPython)
+    : loaded_(std::move(scene)), warnings_(std::move(warnings)), planOptions_(plan), planned_(plan.full || !pointsOfPython) {}
 
-RenderScene &PythonScene::ready() {
-    if (ready_) return *ready_;
-    const bool animated = loaded_.render.frames.size() > 1 || std::any_of(loaded_.objects.begin(), loaded_.objects.end(), moves);
+bool PythonScene::isPlanned(double frame) const {
+    const auto [first, last] = std::minmax_element(scene().render.frames.begin(), scene().render.frames.end());
+    return planOptions_.full || (planned_ && frame >= *first && frame <= *last);
+}
+
+RenderScene &PythonScene::ready(bool planned) {
+    if (ready_ && planned_ == planned) return *ready_;
     // A function of Python may throw on the way, and the scene must outlive that: it is taken over as a copy.
-    PlannedScene planned = planScene(loaded_, planOptions_);
-    ready_ = std::make_unique<RenderScene>(Scene(loaded_), std::move(planned.plan), animated);
+    Scene copy = scene();
+    const bool animated = copy.render.frames.size() > 1 || std::any_of(copy.objects.begin(), copy.objects.end(), moves);
+    ScenePlan plan = planned ? planScene(copy, planOptions_).plan : defaultPlan(copy);
+    ready_ = std::make_shared<RenderScene>(std::move(copy), std::move(plan), animated);
+    planned_ = planned;
     loaded_ = {};
     return *ready_;
 }
@@ -85,8 +92,11 @@ std::string PythonScene::plan() {
     options.report = true;
     Scene copy = scene();
     PlannedScene planned = planScene(copy, options);
+    if (!planned_) planned.plan = defaultPlan(copy);
     const bool animated = copy.render.frames.size() > 1;
-    const RenderScene reported(std::move(copy), std::move(planned.plan), animated, std::move(planned.surfaces));
+    std::vector<ObjectSurface> surfaces; // those of the plan, where it is the plan's model that is told of
+    if (planned_) surfaces = std::move(planned.surfaces);
+    const RenderScene reported(std::move(copy), std::move(planned.plan), animated, std::move(surfaces));
     return app::planText(reported, planned.fields);
 }
 
@@ -128,8 +138,8 @@ py::dict PythonScene::glossAt(double frame, const std::string &name) {
 
 void PythonScene::setPoints(const std::string &object, std::shared_ptr<const PointSource> points) {
     const Alone alone(busy_);
-    ready().setPoints(objectNamed(object), std::move(points));
     ++changes_;
+    ready(planOptions_.full).setPoints(objectNamed(object), std::move(points));
 }
 
 void PythonScene::stop() {
@@ -142,7 +152,9 @@ Refinement::Refinement(std::shared_ptr<PythonScene> scene, const RefinementOptio
     const std::vector<std::string_view> names(options.aovs.begin(), options.aovs.end());
     FrameOptions frameOptions;
     frameOptions.aovs = aovsNamed(names, "aovs");
-    RenderScene &ready = scene_->ready();
+    ++scene_->changes_;
+    RenderScene &ready = scene_->ready(scene_->isPlanned(options.frame));
+    ready_ = scene_->ready_;
     const RenderSettings &render = ready.scene().render;
     frameOptions.spp = options.spp > 0 ? options.spp : render.spp;
     frameOptions.firstSample = options.firstSample;
@@ -154,7 +166,6 @@ Refinement::Refinement(std::shared_ptr<PythonScene> scene, const RefinementOptio
                   "(x0, y0, x1, y1) with 0 <= x0 < x1 <= " + std::to_string(render.width) + " and 0 <= y0 < y1 <= " +
                       std::to_string(render.height));
     frameOptions.seed = frameSeed(options.seed.value_or(render.seed), static_cast<int>(std::lround(options.frame)), render.fixedSeed);
-    ++scene_->changes_;
     ready.setFrame(options.frame);
     change_ = scene_->changes_;
     render_ = std::make_unique<FrameRender>(ready, frameOptions);

@@ -20,10 +20,11 @@ struct Busy {
     std::atomic<std::thread::id> owner{};
 };
 
-/// A scene with its plan, made ready where first needed. Work on it is done by one thread at a time, without the interpreter's lock.
+/// A scene, made ready where first needed: by its plan, at the frames that it names; elsewhere, and with points of Python, of which nobody
+/// knows what they will be, everything per vertex and per hit (defaultPlan). Work on it is done by one thread at a time, without the interpreter's lock.
 class PythonScene {
   public:
-    PythonScene(Scene scene, Warnings warnings, PlanOptions plan);
+    PythonScene(Scene scene, Warnings warnings, PlanOptions plan, bool pointsOfPython);
 
     [[nodiscard]] const Scene &scene() const { return ready_ ? ready_->scene() : loaded_; }
     [[nodiscard]] const std::vector<std::string> &warnings() const { return warnings_.lines; }
@@ -40,13 +41,15 @@ class PythonScene {
 
   private:
     friend class Refinement;
-    RenderScene &ready();
+    RenderScene &ready(bool planned);
+    [[nodiscard]] bool isPlanned(double frame) const;
     [[nodiscard]] Index objectNamed(const std::string &name) const;
 
     Scene loaded_; // until it is made ready
     Warnings warnings_;
     PlanOptions planOptions_;
-    std::unique_ptr<RenderScene> ready_;
+    std::shared_ptr<RenderScene> ready_; // of a scene that is made ready anew refinements keep the old one
+    bool planned_;
     std::uint64_t changes_ = 0; // frames that were set, points that were changed
     Busy busy_;
     std::mutex goingMutex_;
@@ -82,6 +85,7 @@ class Refinement {
     void checkCurrent() const;
 
     std::shared_ptr<PythonScene> scene_;
+    std::shared_ptr<const RenderScene> ready_;
     std::unique_ptr<FrameRender> render_;
     std::vector<std::string> channels_;
     std::uint64_t change_ = 0;

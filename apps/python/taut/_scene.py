@@ -71,7 +71,8 @@ class Scene:
                float32 and C-contiguous, at each render: they may be rewritten in between.
     overrides  as -D of the command: "render.width=320", "mesh.0.follow=false".
     folder     where relative paths of a dict start; the current folder by default.
-    model      "auto", the cheapest model within the tolerance, or "full", every saving off.
+    model      "auto": the cheapest model within the tolerance over the frames that the scene names (`taut info`); a frame outside them,
+               and any of a mesh with `points`, of which nobody knows what they will be, everything per vertex. "full": every saving off.
     tolerance  relative RMS error that the savings may have together; None: 0.01, and light of several facets only where it shows.
 
     Raises InputError with the message of the command; of a dict it names the key: `mesh[0].material: found 'brased', ...`.
