@@ -67,7 +67,7 @@ def table(what: str, values: ArrayLike, columns: int, dtype: DTypeLike, rows: Op
     return array
 
 
-def common_type(*values: ArrayLike) -> np.dtype:
+def common_type(*values: ArrayLike) -> np.dtype[Any]:
     """float32 where an argument is an array of float32 and none is one of float64; else float64, numpy's own."""
     kinds = [v.dtype for v in values if isinstance(v, np.ndarray)]
     single = any(k == np.float32 for k in kinds) and not any(k == np.float64 for k in kinds)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import Any, NamedTuple, Optional, Sequence, Tuple, Union, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -40,11 +40,13 @@ def _faces(faces: Faces) -> Tuple[NDArray[np.uint32], NDArray[np.uint32]]:
     """Starts of the faces in the corners, and the corners."""
     if isinstance(faces, tuple) and len(faces) == 2 and all(np.ndim(part) == 1 for part in faces):
         return _indices("faces[0]", faces[0]), _indices("faces[1]", faces[1])
-    if not isinstance(faces, np.ndarray) and isinstance(faces, Sequence) and len({len(f) for f in faces if hasattr(f, "__len__")}) > 1:
-        sizes = [len(face) for face in faces]
-        starts = np.concatenate([[0], np.cumsum(sizes[:-1])]).astype(np.uint32)
-        return starts, _indices("faces", np.concatenate([np.asarray(face) for face in faces]))
-    corners = _indices("faces", faces)
+    if isinstance(faces, Sequence):
+        polygons = [np.atleast_1d(np.asarray(face)) for face in faces]
+        sizes = [len(polygon) for polygon in polygons]
+        if len(set(sizes)) > 1:
+            starts = np.concatenate([[0], np.cumsum(sizes[:-1])]).astype(np.uint32)
+            return starts, _indices("faces", np.concatenate(polygons))
+    corners = _indices("faces", cast(ArrayLike, faces))
     if corners.ndim != 2 or corners.shape[1] < 3:
         fail("faces", f"an array of shape {corners.shape}", "(faces, corners of each), a sequence of faces, or (starts, corners)")
     count, sides = corners.shape

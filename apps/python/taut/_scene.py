@@ -234,19 +234,21 @@ class Scene:
         else:
             text = ",".join(map(str, [frames] if isinstance(frames, int) else frames))
         report = self._core.export([os.fspath(p) for p in outputs], text, list(objects), convention, positions, space, ascii)
-        return json.loads(report)
+        result: Dict[str, Any] = json.loads(report)
+        return result
 
     def plan(self) -> Dict[str, Any]:
         """What `taut info --json` says: the plan with each question's choices, the ranges of stretch and alpha over the scene's frames,
         what policies did."""
-        return json.loads(self._core.plan())
+        result: Dict[str, Any] = json.loads(self._core.plan())
+        return result
 
 
 class Refinement:
     """One frame, rendered in steps. Made by Scene.refine, of which only the latest may go on."""
 
     def __init__(self, core: Any, every: float) -> None:
-        self._core = core
+        self._core: _taut.Refinement = core
         self._every = every
         self._stopped = False
 

@@ -32,8 +32,10 @@ from typing import Any, Dict, NamedTuple, Optional, Tuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from . import _taut
 from ._arrays import Broadcast, common_type, fail
-from ._taut import microsurface as _core
+
+_core: Any = _taut.microsurface  # calls spread their rows
 
 __all__ = [
     "D", "G1", "G2", "Lambda", "albedo", "average_albedo", "canonical", "conventions", "deform", "equivalent_alpha", "evaluate",
@@ -213,7 +215,12 @@ def equivalent_alpha(M: ArrayLike) -> Tuple[Any, Any, Any]:
     """alpha_max, alpha_min, phi of the GGX that looks the same: phi to the rougher axis, radians in (-pi/2, pi/2]. Ignores a lean."""
     rows = Broadcast(common_type(M), M=(M, _M))
     values = _core.equivalent_alpha(*rows.rows)
-    return tuple(rows.number(np.ascontiguousarray(values[:, i])) for i in range(3))
+    return _three(rows, values)
+
+
+def _three(rows: Broadcast, values: NDArray[Any]) -> Tuple[Any, Any, Any]:
+    largest, smallest, phi = (rows.number(np.ascontiguousarray(values[:, i])) for i in range(3))
+    return largest, smallest, phi
 
 
 def slope_tensor(M: ArrayLike) -> NDArray[Any]:
@@ -266,4 +273,4 @@ def from_convention(convention: str, **parameters: ArrayLike) -> Tuple[Any, Any,
     columns = [np.broadcast_to(row, max((r.size for r in rows.rows), default=1)) for row in rows.rows]
     columns += [np.zeros_like(columns[0]) if columns else np.zeros(1, np.float32)] * (3 - len(columns))
     values = _core.from_convention(convention, np.ascontiguousarray(np.stack(columns, -1), dtype=np.float32))
-    return tuple(rows.number(np.ascontiguousarray(values[:, i])) for i in range(3))
+    return _three(rows, values)
