@@ -23,12 +23,14 @@ ifneq ($(MISSING),)
 	$(SUDO) env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $(MISSING)
 endif
 
-# The module taut for the system's Python: import taut. PYTHON_FOLDER=... puts it elsewhere.
+# The package taut for the system's Python: import taut. PYTHON_FOLDER=... puts it elsewhere.
+PYTHON_FOLDER = $(shell /usr/bin/python3 -c "import sysconfig; print(sysconfig.get_path('platlib'))")
 python: deps
-	cmake --preset release $(if $(PYTHON_FOLDER),-D TAUT_PYTHON_FOLDER="$(abspath $(PYTHON_FOLDER))")
+	cmake --preset release
 	cmake --build --preset release --target taut_python
-	$(if $(PYTHON_FOLDER),,$(SUDO)) cmake --install $(BUILD) --component python
-	/usr/bin/python3 -c "import $(if $(PYTHON_FOLDER),sys; sys.path.insert(0, '$(abspath $(PYTHON_FOLDER))'); import )taut; print('taut', taut.__version__, 'in', taut.__path__[0])"
+	mkdir -p "$(PYTHON_FOLDER)" 2>/dev/null || $(SUDO) mkdir -p "$(PYTHON_FOLDER)"
+	$(if $(shell test -w "$(PYTHON_FOLDER)" && echo yes),,$(SUDO)) cmake --install $(BUILD) --component python --prefix "$(abspath $(PYTHON_FOLDER))"
+	PYTHONPATH="$(abspath $(PYTHON_FOLDER))" /usr/bin/python3 -c "import taut; print('taut', taut.__version__, 'in', taut.__path__[0])"
 
 # What the tests of `taut export` read its files with; without it they say that they were skipped.
 export-tools:
