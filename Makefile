@@ -9,7 +9,7 @@ PACKAGES := g++ cmake ninja-build pkg-config libopenmesh-dev libosd-dev libembre
             ffmpeg gnuplot-nox fonts-dejavu-core $(PYTHON_PACKAGES)
 MISSING := $(shell for p in $(PACKAGES); do dpkg-query -W -f='$${Status}' $$p 2>/dev/null | grep -q 'install ok installed' || echo $$p; done)
 
-.PHONY: all build deps python export-tools demo test bench sanitize format clean
+.PHONY: all build deps python blender-addon export-tools demo test bench sanitize format clean
 
 all: build
 
@@ -31,6 +31,13 @@ python: deps
 	mkdir -p "$(PYTHON_FOLDER)" 2>/dev/null || $(SUDO) mkdir -p "$(PYTHON_FOLDER)"
 	$(if $(shell test -w "$(PYTHON_FOLDER)" && echo yes),,$(SUDO)) cmake --install $(BUILD) --component python --prefix "$(abspath $(PYTHON_FOLDER))"
 	PYTHONPATH="$(abspath $(PYTHON_FOLDER))" /usr/bin/python3 -c "import taut; print('taut', taut.__version__, 'in', taut.__path__[0])"
+
+# The Blender add-on as a file that Blender installs.
+blender-addon:
+	mkdir -p build
+	rm -f build/taut_gloss.zip
+	cd apps/blender && /usr/bin/python3 -m zipfile -c ../../build/taut_gloss.zip taut_gloss/
+	@echo build/taut_gloss.zip
 
 # What the tests of `taut export` read its files with; without it they say that they were skipped.
 export-tools:

@@ -185,6 +185,18 @@ def test_motion_blur_asks_between_frames():
     assert {1.75, 2.0, 2.25} <= set(asked)
 
 
+def test_faces_may_have_materials_of_their_own():
+    slots = (np.arange(len(FACES)) % 24 >= 12).astype("i4")
+    tree = sheet(face_materials=slots, material_names=["left", "right"])
+    tree["material"]["white"] = {"type": "diffuse", "color": 0.8}
+    tree["mesh"][0]["material"] = {"left": "brushed", "right": "white"}
+    albedo = taut.Scene(tree).render(1, spp=16, aovs="albedo")["albedo"]
+    assert albedo[30, 60, 0] == pytest.approx(0.8, abs=1e-3) and albedo[30, 36, 0] != pytest.approx(0.8, abs=0.05)
+    slots[3] = 2
+    with pytest.raises(taut.InputError, match=r"face_materials\[3\]: found 2, expected an index of one of 2 material_names"):
+        taut.Scene(tree)
+
+
 # --- refining ---------------------------------------------------------------------------------------------------------
 
 

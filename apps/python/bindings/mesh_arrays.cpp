@@ -57,6 +57,15 @@ std::shared_ptr<const Mesh> meshOf(const std::string &name, const MeshArrays &ar
     mesh->cornerPositions.assign(corners.begin(), corners.end());
     if (arrays.uvs) setAttribute("uv", *arrays.uvs, *mesh, mesh->uvs, mesh->cornerUvs);
     if (arrays.normals) setAttribute("normals", *arrays.normals, *mesh, mesh->normals, mesh->cornerNormals);
+    if (arrays.faceMaterials) {
+        const auto slots = valuesOf(*arrays.faceMaterials);
+        mesh->faceMaterials.assign(slots.begin(), slots.end());
+        mesh->materialNames = arrays.materialNames;
+        for (std::size_t f = 0; f < slots.size(); ++f)
+            if (slots[f] >= arrays.materialNames.size())
+                failInput({"face_materials[" + std::to_string(f) + "]"}, std::to_string(slots[f]),
+                          "an index of one of " + std::to_string(arrays.materialNames.size()) + " material_names");
+    }
     normaliseNormals(*mesh); // as those of a file
     return mesh;
 }

@@ -8,6 +8,8 @@
 
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
 namespace taut::python {
 
@@ -17,6 +19,8 @@ struct MeshArrays {
     Array<std::uint32_t> starts;  ///< [faces]
     Array<std::uint32_t> corners; ///< [corners] -> point
     std::optional<Array<float>> uvs, normals;
+    std::optional<Array<std::uint32_t>> faceMaterials{}; ///< [faces], into materialNames
+    std::vector<std::string> materialNames{};
 };
 
 /// Takes everything over: the library keeps its own topology and rest shape. Throws InputError for rows that fit neither points nor

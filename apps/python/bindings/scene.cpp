@@ -10,13 +10,18 @@ namespace taut::python {
 
 namespace {
 
-/// A mesh of arrays: (rest, starts, corners, uvs, normals, points), points None, arrays or a function of the frame.
+/// A mesh of arrays: (rest, starts, corners, uvs, normals, points, first frame, face materials, material names), points None, arrays or
+/// a function of the frame.
 GivenMesh givenMesh(const py::tuple &given, double firstFrame) {
     const auto optional = [](const py::handle &value) {
         return value.is_none() ? std::nullopt : std::make_optional(py::cast<Array<float>>(value));
     };
-    const MeshArrays arrays{py::cast<Array<float>>(given[0]), py::cast<Array<std::uint32_t>>(given[1]),
+    MeshArrays arrays{py::cast<Array<float>>(given[0]), py::cast<Array<std::uint32_t>>(given[1]),
                             py::cast<Array<std::uint32_t>>(given[2]), optional(given[3]), optional(given[4])};
+    if (!given[7].is_none()) {
+        arrays.faceMaterials = py::cast<Array<std::uint32_t>>(given[7]);
+        arrays.materialNames = py::cast<std::vector<std::string>>(given[8]);
+    }
     GivenMesh mesh{meshOf("mesh", arrays), nullptr};
     const py::object points = given[5];
     if (py::isinstance<py::function>(points))

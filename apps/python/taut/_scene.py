@@ -12,11 +12,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _taut
 from ._arrays import fail, table
-from ._gloss import _faces
+from ._gloss import _faces, _indices
 
 Picture = Dict[str, NDArray[Any]]
 Points = Union[None, ArrayLike, Sequence[ArrayLike], Callable[[float], ArrayLike]]
-_ARRAY_KEYS = ("positions", "faces", "uv", "normals", "points", "first_frame")
+_ARRAY_KEYS = ("positions", "faces", "uv", "normals", "points", "first_frame", "face_materials", "material_names")
 
 
 def _frames_of(what: str, points: Any, count: Optional[int]) -> List[NDArray[np.float32]]:
@@ -47,7 +47,12 @@ def _given_mesh(where: str, entry: Mapping[str, Any]) -> Tuple[Any, ...]:
         values = entry.get(name)
         return None if values is None else table(f"{where}.{name}", values, columns, np.float32, row_name="points or corners")
 
-    return rest, starts, corners, optional("uv", 2), optional("normals", 3), points, float(entry.get("first_frame", 1))
+    materials = entry.get("face_materials")
+    if materials is not None:
+        materials = _indices(f"{where}.face_materials", materials)
+    names = [str(name) for name in entry.get("material_names", ())]
+    first = float(entry.get("first_frame", 1))
+    return rest, starts, corners, optional("uv", 2), optional("normals", 3), points, first, materials, names
 
 
 class Scene:
@@ -67,6 +72,7 @@ class Scene:
                    points     where the points are: an array (frames, n, 3) or a sequence of (n, 3), linear between frames and held
                               outside; or a function of the frame (a float, motion blur asks between frames) that returns (n, 3)
                    first_frame  the frame of the first array, 1 by default
+                   face_materials  (faces,) indices into material_names, which `material` gives materials to, as to an OBJ file's
                Every other key of a [[mesh]] goes with arrays too, but for `cache`. Arrays of `points` are read in place where they are
                float32 and C-contiguous, at each render: they may be rewritten in between.
     overrides  as -D of the command: "render.width=320", "mesh.0.follow=false".
