@@ -30,6 +30,12 @@ def test_live_gloss_is_tauts_own_and_what_goes_wrong_leaves_a_message(tmp_path):
     print(said[said.index("armature") : said.index("lattice") + 100])
 
 
+def test_render_with_taut_takes_the_scene_as_it_is(tmp_path):
+    said = run("live_render.py", tmp_path)
+    assert "ALL RIGHT" in said
+    print("\n".join(line for line in said.splitlines() if " against " in line))
+
+
 def test_cycles_with_the_add_on_shows_what_taut_renders(tmp_path):
     if "TAUT_COMMAND" not in os.environ:
         pytest.skip("TAUT_COMMAND is not set")

@@ -125,8 +125,8 @@ class Description:
             if data.type == "SPOT":
                 outer = math.degrees(data.spot_size) / 2
                 light.update(type="spot", direction=_vector(axis), outer_deg=outer, inner_deg=min(outer * (1 - data.spot_blend), outer * 0.999))
-                if data.spot_blend or data.shadow_soft_size:
-                    self.warn(f"light '{item.name}': a spot's blend and radius are near to Cycles', not the same")
+                # Cycles 3.4's spots also fall by the cosine to their axis.
+                self.warn(f"light '{item.name}': a spot's falloff, blend and radius are near to Cycles', not the same")
         self.tree["light"].append(light)
 
     # --- materials ---
@@ -199,53 +199,45 @@ class Description:
 
     def add(self, instance):
         item = instance.object
-        if not instance.show_self or (item.original.hide_render if not instance.is_instance else False):
+        if not instance.show_self or item.original.hide_render:
             return
         matrix = instance.matrix_world.copy()
         if item.type == "LIGHT":
             self.add_light(item, matrix)
-        elif item.type in ("MESH", "CURVE", "SURFACE", "FONT", "META"):
+        elif item.type == "MESH":  # those of curves, texts and metaballs too, which are instances beside them
             self.add_mesh(item, matrix)
-        elif item.type not in ("CAMERA", "EMPTY", "ARMATURE", "LATTICE", "LIGHT_PROBE", "SPEAKER"):
+        elif item.type not in ("CURVE", "SURFACE", "FONT", "META", "CAMERA", "EMPTY", "ARMATURE", "LATTICE", "LIGHT_PROBE", "SPEAKER"):
             self.warn(f"object '{item.name}': of type {item.type}, left out")
 
     def add_mesh(self, item, matrix):
-        made = item.type != "MESH"
-        mesh = item.to_mesh() if made else item.data
-        try:
-            if mesh is None or len(mesh.polygons) == 0:
-                if not made:
-                    self.warn(f"object '{item.name}': has no faces, left out")
-                return
-            world = numpy.array(matrix, dtype=numpy.float64)
+        mesh, original = item.data, item.original
+        if len(mesh.polygons) == 0:
+            self.warn(f"object '{item.name}': has no faces, left out")
+            return
+        world = numpy.array(matrix, dtype=numpy.float64)
 
-            def placed(points):
-                return numpy.ascontiguousarray(points.astype(numpy.float64) @ world[:3, :3].T + world[:3, 3], dtype=numpy.float32)
+        def placed(points):
+            return numpy.ascontiguousarray(points.astype(numpy.float64) @ world[:3, :3].T + world[:3, 3], dtype=numpy.float32)
 
-            entry = {"name": item.name, "faces": faces_of(mesh), "smooth": bool(mesh.polygons[0].use_smooth)}
-            uv = uv_of(mesh)
-            if uv is not None:
-                entry["uv"] = uv
-            points = points_of(mesh)
-            if not made and item.original.taut.enabled:
-                original = item.original
-                rest = live.rest_points(original, self.depsgraph)
-                live.evaluated_points(original, self.depsgraph)  # says so where the topology has changed
-                entry.update(positions=placed(rest), points=[placed(points)], first_frame=1)
-            else:
-                entry.update(positions=placed(points), follow=False)
-            slots = [self.material_of(slot.material, item) for slot in item.material_slots] or [self.material_of(None, item)]
-            if len(slots) > 1:
-                chosen = numpy.empty(len(mesh.polygons), numpy.int32)
-                mesh.polygons.foreach_get("material_index", chosen)
-                names = [f"slot {i}" for i in range(len(slots))]
-                entry.update(face_materials=numpy.minimum(chosen, len(slots) - 1), material_names=names, material=dict(zip(names, slots)))
-            else:
-                entry["material"] = slots[0]
-            self.tree["mesh"].append(entry)
-        finally:
-            if made:
-                item.to_mesh_clear()
+        entry = {"name": item.name, "faces": faces_of(mesh), "smooth": bool(mesh.polygons[0].use_smooth)}
+        uv = uv_of(mesh)
+        if uv is not None:
+            entry["uv"] = uv
+        if original.type == "MESH" and original.taut.enabled:
+            rest = live.rest_points(original, self.depsgraph)
+            points = live.evaluated_points(original, self.depsgraph)  # says so where the topology has changed
+            entry.update(positions=placed(rest), points=[placed(points)])
+        else:
+            entry.update(positions=placed(points_of(mesh)), follow=False)
+        slots = [self.material_of(slot.material, item) for slot in item.material_slots] or [self.material_of(None, item)]
+        if len(slots) > 1:
+            chosen = numpy.empty(len(mesh.polygons), numpy.int32)
+            mesh.polygons.foreach_get("material_index", chosen)
+            names = [f"slot {i}" for i in range(len(slots))]
+            entry.update(face_materials=numpy.minimum(chosen, len(slots) - 1), material_names=names, material=dict(zip(names, slots)))
+        else:
+            entry["material"] = slots[0]
+        self.tree["mesh"].append(entry)
 
 
 def show(picture):
