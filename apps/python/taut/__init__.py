@@ -32,4 +32,7 @@ from ._scene import Refinement, Scene
 from ._taut import InputError, RunError, limit_threads
 from ._taut import version as __version__
 
+for _thing in (InputError, RunError, limit_threads):
+    _thing.__module__ = "taut"  # where they are found
+
 __all__ = ["Gloss", "InputError", "Refinement", "RunError", "Scene", "VertexGloss", "copies", "gloss", "limit_threads", "microsurface", "read_image", "write_image"]
