@@ -11,6 +11,12 @@ def broken(**keys):
     return {"mesh": [{"positions": POINTS, "faces": FACES, **keys}]}
 
 
+def endless():
+    tree = {}
+    tree["render"] = tree
+    return tree
+
+
 @pytest.mark.parametrize(
     "make, message",
     [
@@ -32,7 +38,24 @@ def broken(**keys):
         (lambda: taut.Scene(broken(points=[])), "mesh[0].points: found no frame, expected at least one array"),
         (lambda: taut.Scene(broken(), model="fast"), "model: found 'fast', expected one of auto, full"),
         (lambda: taut.Scene(broken(), tolerance=7), "tolerance: found 7, expected a number in [1e-6, 1]"),
-        (lambda: taut.Scene(broken()).render(spp=0), "spp: found 0, expected a number of samples above 0"),
+        (lambda: taut.Scene(broken()).render(spp=0), "spp: found 0, expected a whole number in [1, 16777216]"),
+        (lambda: taut.Scene(broken()).render(spp=1.5), "spp: found 1.5, expected a whole number"),
+        (lambda: taut.Scene(broken()).render(seed=-1), "seed: found -1, expected a whole number in [0, 4294967295]"),
+        (lambda: taut.Scene(broken()).render(noise=2), "noise: found 2, expected a relative noise level above 0 and below 1"),
+        (lambda: taut.Scene(broken()).render(seconds=float("nan")), "seconds: found nan, expected a time above 0"),
+        (lambda: taut.Scene(broken()).render(frame=float("inf")), "frame: found inf, expected a frame in [-1e9, 1e9]"),
+        (lambda: taut.Scene(broken()).render(progress=3), "progress: found 3, expected a function of the share done"),
+        (lambda: taut.Scene(broken()).render(aovs=[1]), "aovs[0]: found 1, expected a string"),
+        (lambda: taut.Scene(broken()).render(crop=(1, 2, 3)), "crop: found (1, 2, 3), expected (x0, y0, x1, y1)"),
+        (lambda: taut.Scene(endless()), "render.render.render."),
+        (lambda: taut.Scene({"render": {"width": 10**30}}), "render.width: found 1000000000000000000000000000000, expected a number of 64 bits"),
+        (lambda: taut.Scene(broken(), overrides=[1]), "overrides[0]: found 1, expected a string"),
+        (lambda: taut.Scene(broken(points=lambda f: None)).render(), "mesh[0].points(1): found None, expected an array of numbers"),
+        (lambda: taut.Scene(broken(points="abc")), "mesh[0].points: found 'abc', expected arrays of positions or a function"),
+        (lambda: taut.Scene(broken(points=[POINTS])).set_points("mesh", POINTS[:3]), "scene: objects[0] 'mesh'.points: found 3 points"),
+        (lambda: taut.Scene(broken()).export(3), "path: found 3, expected a string or a sequence of strings"),
+        (lambda: taut.limit_threads(-1), "threads: found -1, expected a whole number in [0, 1024]"),
+        (lambda: taut.read_image("no.png"), "no.png: found no readable image"),
         (lambda: taut.Scene(broken()).render(aovs="dept"), "aovs: found 'dept', expected one of depth,"),
         (lambda: taut.Scene(broken()).render(crop=(0, 0, 9999, 2)), "crop: found another part of the picture, expected (x0, y0, x1, y1)"),
         (lambda: taut.Scene(broken()).export("a.foo"), "-o 'a.foo': found 'foo', expected one of ply,"),

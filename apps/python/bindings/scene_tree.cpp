@@ -44,7 +44,10 @@ class KeepingSource final : public PointSource {
     Kept arrays_;
 };
 
-TomlValue tableOf(const py::dict &dict, const std::string &where) {
+/// Of values in values: a dict that holds itself has no end.
+constexpr int kDeepest = 64;
+
+TomlValue tableOf(const py::dict &dict, const std::string &where, int depth) {
     TomlValue table;
     table.where = {where.empty() ? "scene" : where};
     for (const auto &[key, value] : dict) {
@@ -54,18 +57,18 @@ TomlValue tableOf(const py::dict &dict, const std::string &where) {
         TomlEntry entry;
         entry.key = name;
         entry.where.file = place;
-        entry.value = treeOf(value, place);
+        entry.value = treeOf(value, place, depth + 1);
         table.entries.push_back(std::move(entry));
     }
     return table;
 }
 
-TomlValue arrayOf(const py::sequence &sequence, const std::string &where) {
+TomlValue arrayOf(const py::sequence &sequence, const std::string &where, int depth) {
     TomlValue array;
     array.kind = TomlValue::Kind::Array;
     array.where = {where};
     std::size_t number = 0;
-    for (const py::handle &item : sequence) array.items.push_back(treeOf(item, where + "[" + std::to_string(number++) + "]"));
+    for (const py::handle &item : sequence) array.items.push_back(treeOf(item, where + "[" + std::to_string(number++) + "]", depth + 1));
     return array;
 }
 
@@ -79,13 +82,14 @@ Kept keep(py::object object) {
             }};
 }
 
-TomlValue treeOf(const py::handle &given, const std::string &where) {
+TomlValue treeOf(const py::handle &given, const std::string &where, int depth) {
+    if (depth > kDeepest) failInput({where.substr(0, 80)}, "values in values without an end", "at most " + std::to_string(kDeepest) + " levels");
     py::object value = py::reinterpret_borrow<py::object>(given);
     if (py::hasattr(value, "tolist")) value = value.attr("tolist")(); // arrays and numbers of numpy
     if (py::hasattr(value, "__fspath__")) value = value.attr("__fspath__")();
     TomlValue out;
     out.where = {where};
-    if (py::isinstance<py::dict>(value)) return tableOf(py::cast<py::dict>(value), where);
+    if (py::isinstance<py::dict>(value)) return tableOf(py::cast<py::dict>(value), where, depth);
     if (py::isinstance<py::bool_>(value)) {
         out.kind = TomlValue::Kind::Boolean;
         out.boolean = py::cast<bool>(value);
@@ -102,7 +106,7 @@ TomlValue treeOf(const py::handle &given, const std::string &where) {
         out.kind = TomlValue::Kind::String;
         out.text = py::cast<std::string>(value);
     } else if (py::isinstance<py::list>(value) || py::isinstance<py::tuple>(value)) {
-        return arrayOf(py::cast<py::sequence>(value), where);
+        return arrayOf(py::cast<py::sequence>(value), where, depth);
     } else {
         failInput(out.where, std::string(py::str(py::type::of(value).attr("__name__"))) + " " + quoted(std::string(py::repr(value))),
                   "a number, a string, a list, a dict or an array");

@@ -14,7 +14,7 @@ using Kept = std::shared_ptr<const py::object>;
 Kept keep(py::object object);
 
 /// Values of a scene file. `where` is the place that errors name: "mesh[0].material".
-TomlValue treeOf(const py::handle &value, const std::string &where);
+TomlValue treeOf(const py::handle &value, const std::string &where, int depth = 0);
 
 /// Positions by a function of Python: called with the frame, it returns [points, 3], which is read in place. What it throws comes out.
 std::shared_ptr<const PointSource> callbackPoints(std::size_t points, py::function function);

@@ -24,15 +24,21 @@ something failed while running. An exception in a callback comes out as itself.
 Source: "Microsurface Transformations", Computer Graphics Forum 41(4), 2022; docs/pipeline.md says what happens in which order.
 """
 
-from . import microsurface
+from . import _checks, _taut, microsurface
 from ._arrays import copies
 from ._gloss import Gloss, VertexGloss, gloss
 from ._image import read_image, write_image
 from ._scene import Refinement, Scene
-from ._taut import InputError, RunError, limit_threads
+from ._taut import InputError, RunError
 from ._taut import version as __version__
 
-for _thing in (InputError, RunError, limit_threads):
+for _thing in (InputError, RunError):
     _thing.__module__ = "taut"  # where they are found
+
+
+def limit_threads(threads: int) -> None:
+    """Limits the threads of everything that taut computes to this many; 0: all of the machine's."""
+    _taut.limit_threads(_checks.whole("threads", threads, 0, 1024))
+
 
 __all__ = ["Gloss", "InputError", "Refinement", "RunError", "Scene", "VertexGloss", "copies", "gloss", "limit_threads", "microsurface", "read_image", "write_image"]

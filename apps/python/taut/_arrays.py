@@ -7,6 +7,7 @@ from typing import Any, Optional, Sequence, Tuple
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
+from ._checks import describe, fail
 from ._taut import InputError
 
 _copies = 0
@@ -20,11 +21,6 @@ def copies() -> Tuple[int, int]:
     What a Gloss or a Scene keeps for itself (rest shape, topology) is no input of a frame and does not count either.
     """
     return _copies, _copied_bytes
-
-
-def fail(where: str, found: str, expected: str) -> None:
-    """Raises InputError, one line as the command prints it."""
-    raise InputError(f"{where}: found {found}, expected {expected}")
 
 
 def _shape_text(shape: Sequence[int]) -> str:
@@ -52,10 +48,7 @@ def take(what: str, values: ArrayLike, dtype: DTypeLike) -> NDArray[Any]:
 
 
 def _describe(values: object) -> str:
-    if isinstance(values, np.ndarray):
-        return f"an array of {values.dtype}"
-    text = repr(values)
-    return text if len(text) <= 40 else text[:37] + "..."
+    return f"an array of {values.dtype}" if isinstance(values, np.ndarray) else describe(values)
 
 
 def table(what: str, values: ArrayLike, columns: int, dtype: DTypeLike, rows: Optional[int] = None, row_name: str = "n") -> NDArray[Any]:

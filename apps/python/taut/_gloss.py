@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _taut
-from ._arrays import fail, table, take
+from ._arrays import table, take
+from ._checks import describe, fail, number
 
 Faces = Union[ArrayLike, Sequence[Sequence[int]], Tuple[ArrayLike, ArrayLike]]
 
@@ -63,9 +64,12 @@ def _indices(what: str, values: ArrayLike) -> NDArray[np.uint32]:
 
 
 def _alpha(alpha: ArrayLike) -> Tuple[float, float]:
-    pair = np.atleast_1d(np.asarray(alpha, dtype=np.float64))
+    expected = "a number, or two: along and across the tangent"
+    pair = np.atleast_1d(np.asarray(alpha))
+    if pair.dtype.kind not in "fiu":
+        fail("alpha", describe(alpha), expected)
     if pair.shape not in ((1,), (2,)):
-        fail("alpha", f"an array of shape {pair.shape}", "a number, or two: along and across the tangent")
+        fail("alpha", f"an array of shape {pair.shape}", expected)
     return float(pair[0]), float(pair[-1])
 
 
@@ -114,8 +118,8 @@ class Gloss:
             corners,
             None if uv is None else table("uv", uv, 2, np.float32, row_name="points or corners"),
             None if normals is None else table("normals", normals, 3, np.float32, row_name="points or corners"),
-            [*_alpha(alpha), float(rotation), float(poisson)],
-            gradient,
+            [*_alpha(alpha), number("rotation", rotation), number("poisson", poisson)],
+            str(gradient),
             per == "corner",
         )
 

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _taut
-from ._arrays import fail, take
+from ._arrays import take
+from ._checks import fail, text
 
 _aov_channels = {name: channels for name, channels in _taut.aovs}
 
@@ -35,10 +36,10 @@ def write_image(path: Union[str, "os.PathLike[str]"], picture: Union[ArrayLike, 
         if pixels.ndim != 3 or pixels.shape[2] not in (3, 4) or pixels.size == 0:
             fail("picture", f"an array of shape {pixels.shape}", "(height, width), (height, width, 3) or (height, width, 4)")
         names = list("RGBA"[: pixels.shape[2]])
-    _taut.write_image(os.fspath(path), np.ascontiguousarray(pixels), names)
+    _taut.write_image(text("path", path), np.ascontiguousarray(pixels), names)
 
 
 def read_image(path: Union[str, "os.PathLike[str]"]) -> Tuple[NDArray[np.float32], List[str]]:
     """An image as (height, width, channels) float32 with the names of its channels; of a .png the values stand as stored, in [0, 1]."""
-    pixels, names = _taut.read_image(os.fspath(path))
+    pixels, names = _taut.read_image(text("path", path))
     return pixels, names

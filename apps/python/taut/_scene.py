@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _taut
-from ._arrays import fail, table
+from ._arrays import table
+from ._checks import describe, fail, number, seed as seed_of, text, texts, whole
 from ._gloss import _faces, _indices
 
 Picture = Dict[str, NDArray[Any]]
@@ -21,6 +22,8 @@ _ARRAY_KEYS = ("positions", "faces", "uv", "normals", "points", "first_frame", "
 
 def _frames_of(what: str, points: Any, count: Optional[int]) -> List[NDArray[np.float32]]:
     """Arrays of positions, one a frame."""
+    if not isinstance(points, (np.ndarray, Sequence)) or isinstance(points, str):
+        fail(what, describe(points), "arrays of positions or a function of the frame")
     frames = list(points) if not isinstance(points, np.ndarray) or points.ndim == 3 else [points]
     if not frames:
         fail(what, "no frame", "at least one array of positions")
@@ -51,7 +54,7 @@ def _given_mesh(where: str, entry: Mapping[str, Any]) -> Tuple[Any, ...]:
     if materials is not None:
         materials = _indices(f"{where}.face_materials", materials)
     names = [str(name) for name in entry.get("material_names", ())]
-    first = float(entry.get("first_frame", 1))
+    first = number(f"{where}.first_frame", entry.get("first_frame", 1))
     return rest, starts, corners, optional("uv", 2), optional("normals", 3), points, first, materials, names
 
 
@@ -103,9 +106,11 @@ class Scene:
                 fail("mesh", type(entries).__name__, "a list of meshes")
             tree["mesh"] = [self._entry(i, entry, given) for i, entry in enumerate(entries)]
         else:
-            tree = os.fspath(source)
+            tree = text("source", source, "a path or a dict")
         self._rendering = threading.RLock()
-        self._core = _taut.Scene(tree, os.path.join(os.fspath(folder), ""), given, list(overrides), model, tolerance)
+        if tolerance is not None:
+            tolerance = number("tolerance", tolerance, 1e-6, 1, "a number in [1e-6, 1]")
+        self._core = _taut.Scene(tree, os.path.join(text("folder", folder), ""), given, texts("overrides", overrides), str(model), tolerance)
 
     @staticmethod
     def _entry(number: int, entry: Any, given: Dict[str, Tuple[Any, ...]]) -> Any:
@@ -180,7 +185,7 @@ class Scene:
         """
         with self._rendering:
             refinement = self.refine(frame, spp, aovs, noise=noise, crop=crop, seed=seed)
-            refinement.advance(seconds=seconds, progress=progress)
+            refinement.advance(0, seconds, progress)
             return refinement.picture()
 
     def refine(
@@ -201,11 +206,22 @@ class Scene:
 
         Its last picture has the bits of `render`.
         """
-        names = [aovs] if isinstance(aovs, str) else list(aovs)
-        if spp is not None and spp < 1:
-            fail("spp", str(spp), "a number of samples above 0")
-        first = self.frames[0] if frame is None else float(frame)
-        return Refinement(_taut.Refinement(self._core, first, spp or 0, 0, noise, list(crop or (0, 0, 0, 0)), names, seed), every)
+        samples = 0 if spp is None else whole("spp", spp, 1, 1 << 24)
+        if noise is not None:
+            noise = number("noise", noise, 1e-9, 1 - 1e-9, "a relative noise level above 0 and below 1")
+        window = [0, 0, 0, 0]
+        if crop is not None:
+            edges: Any = crop
+            if not isinstance(edges, Sequence) or len(edges) != 4:
+                fail("crop", describe(crop), "(x0, y0, x1, y1)")
+            window = [whole("crop", edge, 0, 32768) for edge in edges]
+            if window == [0, 0, 0, 0]:
+                fail("crop", describe(crop), "a part of the picture")
+        at = self._frame(frame)
+        return Refinement(_taut.Refinement(self._core, at, samples, 0, noise, window, texts("aovs", aovs), seed_of(seed)), every)
+
+    def _frame(self, frame: Optional[float]) -> float:
+        return float(self.frames[0]) if frame is None else number("frame", frame, -1e9, 1e9, "a frame in [-1e9, 1e9]")
 
     def stop(self) -> None:
         """Ends the render that goes on in another thread, within a tile."""
@@ -213,12 +229,12 @@ class Scene:
 
     def set_points(self, object: str, points: Union[ArrayLike, Sequence[ArrayLike]], first_frame: float = 1) -> None:
         """Other positions for a mesh that was made with `points` or moves otherwise; topology is not built again."""
-        self._core.set_points(object, _frames_of("points", points, None), first_frame)
+        self._core.set_points(text("object", object), _frames_of("points", points, None), number("first_frame", first_frame))
 
     def gloss(self, frame: Optional[float] = None, object: str = "") -> Dict[str, NDArray[Any]]:
         """The arrays of `taut export` to .npz for one object at a frame, in world space: P, N, M (n, 5), faces, tangent, alpha_max, ...
         (docs/export.md). `object` may be left out where there is one."""
-        return self._core.gloss(float(self.frames[0] if frame is None else frame), object)
+        return self._core.gloss(self._frame(frame), text("object", object))
 
     def export(
         self,
@@ -234,12 +250,15 @@ class Scene:
 
         frames: the scene's by default; "1-24", a number or numbers. Returns the command's report: "files", "bytes", "clipped", ...
         """
-        outputs = [path] if isinstance(path, (str, os.PathLike)) else list(path)
+        outputs = texts("path", path)
+        if not outputs:
+            fail("path", "none", "a file name")
         if frames is None or isinstance(frames, str):
-            text = frames or ""
+            chosen = frames or ""
         else:
-            text = ",".join(map(str, [frames] if isinstance(frames, int) else frames))
-        report = self._core.export([os.fspath(p) for p in outputs], text, list(objects), convention, positions, space, ascii)
+            listed = frames if isinstance(frames, Sequence) else [frames]
+            chosen = ",".join(str(whole("frames", frame, -(10**9), 10**9)) for frame in listed)
+        report = self._core.export(outputs, chosen, texts("objects", objects), str(convention), str(positions), str(space), bool(ascii))
         result: Dict[str, Any] = json.loads(report)
         return result
 
@@ -264,7 +283,10 @@ class Refinement:
         Returns "going", "stopped" or "done". `progress` as in Scene.render. Ctrl-C raises KeyboardInterrupt within a tile; what the
         picture has is whole, and advance goes on from there.
         """
-        return self._core.advance(int(samples), float(seconds or 0), progress)
+        if progress is not None and not callable(progress):
+            fail("progress", describe(progress), "a function of the share done")
+        most = 0.0 if seconds is None else number("seconds", seconds, 0, 1e12, "a time above 0")
+        return self._core.advance(whole("samples", samples, 0, 1 << 24), most, progress)
 
     def picture(self) -> Picture:
         """The frame as it stands, as Scene.render returns it; from any thread, while another advances too."""
@@ -300,12 +322,12 @@ class Refinement:
 
     def save(self, path: Union[str, "os.PathLike[str]"]) -> None:
         """A checkpoint: all that `restore` needs to go on, in another process too."""
-        self._core.save(os.fspath(path))
+        self._core.save(text("path", path))
 
     def restore(self, path: Union[str, "os.PathLike[str]"]) -> "Refinement":
         """Goes on from a checkpoint of the same frame and options (spp may be higher). Raises InputError saying what differs or is
         damaged, and leaves things as they were."""
-        self._core.restore(os.fspath(path))
+        self._core.restore(text("path", path))
         return self
 
     def __repr__(self) -> str:

@@ -33,7 +33,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _taut
-from ._arrays import Broadcast, common_type, fail
+from ._arrays import Broadcast, common_type
+from ._checks import describe, fail, number, seed as _seed_of
 
 _core: Any = _taut.microsurface  # calls spread their rows
 
@@ -152,14 +153,14 @@ def walk(M: ArrayLike, wo: ArrayLike, color: ArrayLike = 1.0, seed: int = 0) -> 
     from seed and row alone, whatever the threads.
     """
     rows = Broadcast(np.float32, M=(M, _M), wo=(wo, _W), color=(_color(color), _W))
-    wi, throughput, bounces = _core.walk(*rows.rows, seed)
+    wi, throughput, bounces = _core.walk(*rows.rows, _seed_of(seed))
     return Walk(rows.vector(wi), rows.vector(throughput), rows.number(bounces))
 
 
 def evaluate_walk(M: ArrayLike, wo: ArrayLike, wi: ArrayLike, color: ArrayLike = 1.0, seed: int = 0) -> NDArray[np.float32]:
     """f cos of one and more bounces, (..., 3), per steradian: an unbiased estimate by one walk a row with next events at each facet."""
     rows = Broadcast(np.float32, M=(M, _M), wo=(wo, _W), wi=(wi, _W), color=(_color(color), _W))
-    return rows.vector(_core.evaluate_walk(*rows.rows, seed))
+    return rows.vector(_core.evaluate_walk(*rows.rows, _seed_of(seed)))
 
 
 def _color(color: ArrayLike) -> ArrayLike:
@@ -199,7 +200,10 @@ def deform(A: ArrayLike, M: ArrayLike, normal_stretch: ArrayLike = 1.0, lean: Ar
 
 
 def _matrix(name: str, values: ArrayLike, size: int) -> NDArray[Any]:
-    array = np.asarray(values)
+    try:
+        array = np.asarray(values)
+    except ValueError:  # rows of different lengths
+        fail(name, describe(values), f"(..., {size}, {size})")
     if array.shape[-2:] != (size, size):
         fail(name, f"an array of shape {array.shape}", f"(..., {size}, {size})")
     return array.reshape(*array.shape[:-2], size * size)
@@ -208,7 +212,7 @@ def _matrix(name: str, values: ArrayLike, size: int) -> NDArray[Any]:
 def normal_stretch(area: ArrayLike, poisson: float) -> Any:
     """lambda = area^(-nu / (1 - nu)) of a material with Poisson's ratio nu in [-1, 0.5] whose surface grows by the factor `area`."""
     rows = Broadcast(np.float32, area=(area, _ONE))
-    return rows.number(_core.normal_stretch(*rows.rows, float(poisson)))
+    return rows.number(_core.normal_stretch(*rows.rows, number("poisson", poisson, -1, 0.5, "a number in [-1, 0.5]")))
 
 
 def equivalent_alpha(M: ArrayLike) -> Tuple[Any, Any, Any]:
