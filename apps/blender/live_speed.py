@@ -23,9 +23,13 @@ scene = bpy.context.scene
 x, y = np.meshgrid(np.linspace(-1, 1, SIDE), np.linspace(-1, 1, SIDE))
 first = np.arange(SIDE * (SIDE - 1)).reshape(SIDE - 1, SIDE)[:, :-1].ravel()
 mesh = bpy.data.meshes.new("sheet")
-mesh.from_pydata(np.stack([x, y, 0 * x], -1).reshape(-1, 3).tolist(), [], np.stack([first, first + 1, first + SIDE + 1, first + SIDE], -1).tolist())
+mesh.from_pydata(
+    np.stack([x, y, 0 * x], -1).reshape(-1, 3).tolist(), [], np.stack([first, first + 1, first + SIDE + 1, first + SIDE], -1).tolist()
+)
 mesh.polygons.foreach_set("use_smooth", np.ones(len(mesh.polygons), bool))
-mesh.uv_layers.new(name="UVMap").data.foreach_set("uv", np.stack([x, y], -1).reshape(-1, 2)[[v for p in mesh.polygons for v in p.vertices]].ravel())
+mesh.uv_layers.new(name="UVMap").data.foreach_set(
+    "uv", np.stack([x, y], -1).reshape(-1, 2)[[v for p in mesh.polygons for v in p.vertices]].ravel()
+)
 item = bpy.data.objects.new("sheet", mesh)
 scene.collection.objects.link(item)
 twist = item.modifiers.new("Twist", "SIMPLE_DEFORM")

@@ -320,14 +320,8 @@ nlohmann::json Exporter::report(double seconds, Warnings &warnings) {
             fmt::format("glTF: the gloss varies over a material by {:.3g} of its alpha squared; KHR_materials_anisotropy has its mean, "
                         "the _TAUT_ attributes all of it",
                         greatestSpread_));
-    return {{"scene", scene_.path},
-            {"convention", arguments_.convention},
-            {"frames", frames_.size()},
-            {"objects", objects},
-            {"clipped", clipped},
-            {"clipped_materials", clippedMaterials_},
-            {"files", files_},
-            {"bytes", bytes_},
+    return {{"scene", scene_.path}, {"convention", arguments_.convention},    {"frames", frames_.size()}, {"objects", objects},
+            {"clipped", clipped},   {"clipped_materials", clippedMaterials_}, {"files", files_},          {"bytes", bytes_},
             {"seconds", seconds}};
 }
 

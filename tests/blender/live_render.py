@@ -48,9 +48,13 @@ def ground(kind="ShaderNodeBsdfDiffuse", **inputs):
     mesh = bpy.data.meshes.new("ground")
     x, y = np.meshgrid(np.linspace(-3, 3, 9), np.linspace(-3, 3, 9))
     first = np.arange(72).reshape(8, 9)[:, :-1].ravel()
-    mesh.from_pydata(np.stack([x, y, 0.05 * x * x], -1).reshape(-1, 3).tolist(), [], np.stack([first, first + 1, first + 10, first + 9], -1).tolist())
+    mesh.from_pydata(
+        np.stack([x, y, 0.05 * x * x], -1).reshape(-1, 3).tolist(), [], np.stack([first, first + 1, first + 10, first + 9], -1).tolist()
+    )
     mesh.polygons.foreach_set("use_smooth", np.ones(64, bool))
-    mesh.uv_layers.new(name="UVMap").data.foreach_set("uv", np.stack([x, y], -1).reshape(-1, 2)[[v for p in mesh.polygons for v in p.vertices]].ravel())
+    mesh.uv_layers.new(name="UVMap").data.foreach_set(
+        "uv", np.stack([x, y], -1).reshape(-1, 2)[[v for p in mesh.polygons for v in p.vertices]].ravel()
+    )
     made = bpy.data.materials.new("ground")
     made.use_nodes = True
     tree = made.node_tree
@@ -100,7 +104,9 @@ def alike(name, most):
 # A narrow spot: Cycles 3.4 lets spots fall by the cosine to their axis, which is near 1 there.
 LIGHTS = {
     "sun": lambda: light("SUN", energy=2.0, angle=0.0, rotation_euler=(0.4, 0.2, 0)),
-    "rectangle": lambda: light("AREA", energy=100, shape="RECTANGLE", size=1.0, size_y=0.5, rotation_euler=(0.2, 0.3, 0.4), color=(1, 0.5, 0.25)),
+    "rectangle": lambda: light(
+        "AREA", energy=100, shape="RECTANGLE", size=1.0, size_y=0.5, rotation_euler=(0.2, 0.3, 0.4), color=(1, 0.5, 0.25)
+    ),
     "square": lambda: light("AREA", energy=80, shape="SQUARE", size=0.7),
     "sphere": lambda: light("POINT", energy=120, shadow_soft_size=0.2),
     "point": lambda: light("POINT", energy=120, shadow_soft_size=0.0),
@@ -159,7 +165,12 @@ light("AREA", shape="DISK", energy=10)
 scene.camera.data.shift_x = 0.1
 described = taut_render.Description(bpy.context, 4)
 assert sorted(entry["name"] for entry in described.tree["mesh"]) == ["ground", "words"], described.tree["mesh"]
-for part in ("disk is taken as the rectangle", "Emission at its output is taken as grey paint", "its shift is left out", "'nothing': has no faces"):
+for part in (
+    "disk is taken as the rectangle",
+    "Emission at its output is taken as grey paint",
+    "its shift is left out",
+    "'nothing': has no faces",
+):
     assert any(part in warning for warning in described.warnings), (part, described.warnings)
 assert bpy.ops.taut.render(samples=4) == {"FINISHED"}
 

@@ -16,7 +16,17 @@ pytestmark = pytest.mark.skipif(BLENDER is None, reason="there is no Blender on 
 
 def run(script, *words):
     package = pathlib.Path(taut.__file__).parent.parent
-    command = [BLENDER, "-b", "-noaudio", "--factory-startup", "--python-exit-code", "1", "--python", ROOT / "tests" / "blender" / script, "--"]
+    command = [
+        BLENDER,
+        "-b",
+        "-noaudio",
+        "--factory-startup",
+        "--python-exit-code",
+        "1",
+        "--python",
+        ROOT / "tests" / "blender" / script,
+        "--",
+    ]
     done = subprocess.run([*command, ROOT / "apps" / "blender", package, *words], capture_output=True, text=True, timeout=500)
     assert done.returncode == 0, done.stdout[-3000:] + done.stderr[-3000:]
     return done.stdout

@@ -60,8 +60,13 @@ def test_equals_the_export_of_the_same_motion(name, command, tmp_path):
     # A vertex of the file is the corners of its rest position, tangent and so on: by position, then the one that is nearest in all.
     order = np.lexsort(exported["Pref"].T)
     keys = exported["Pref"][order]
-    rows = np.concatenate([np.column_stack([exported["M"], exported["tangent"]]),
-                           np.column_stack([exported[k] for k in ("alpha_max", "alpha_min", "phi", "stretch_max", "stretch_min")])], 1)[order]
+    rows = np.concatenate(
+        [
+            np.column_stack([exported["M"], exported["tangent"]]),
+            np.column_stack([exported[k] for k in ("alpha_max", "alpha_min", "phi", "stretch_max", "stretch_min")]),
+        ],
+        1,
+    )[order]
     mine = np.concatenate([found.M, found.tangent, np.column_stack([found.alpha_max, found.alpha_min, found.phi]), found.stretch], 1)
     at = {}
     for row, key in enumerate(map(bytes, keys)):
@@ -299,7 +304,10 @@ REST, FACES, UV = grid(2, 2)
         (dict(rest=REST[:, :2]), "rest: found an array of shape (9, 2), expected (points, 3)"),
         (dict(rest="a"), "rest: found 'a', expected an array of numbers"),
         (dict(deformed=REST[:4]), "deformed: found an array of shape (4, 3), expected (9, 3)"),
-        (dict(deformed=REST * np.nan), "object 'gloss': found a point that is not finite at frame 1 (point 0), expected finite coordinates"),
+        (
+            dict(deformed=REST * np.nan),
+            "object 'gloss': found a point that is not finite at frame 1 (point 0), expected finite coordinates",
+        ),
         (dict(faces=[[0, 1, 99]]), "objects[0] 'gloss'.mesh.cornerPositions: found an index beyond the positions in element 2, expected"),
         (dict(faces=np.array([[0, 1, -1]])), "faces: found the index -1, expected indices of points"),
         (dict(faces=[[0, 1]]), "faces: found an array of shape (1, 2), expected (faces, corners of each)"),

@@ -62,7 +62,9 @@ def test_conventions():
         back = ms.from_convention(name, **found)
         np.testing.assert_allclose(back[:2], [0.4, 0.1], rtol=1e-5)
         assert back[2] == pytest.approx(0.5 if values[2] is not None else 0, abs=1e-5)
-    np.testing.assert_allclose(ms.from_convention("blender_anisotropic", roughness=0.5, anisotropy=0.5, rotation=0), [0.5, 0.125, 1.5707963])
+    np.testing.assert_allclose(
+        ms.from_convention("blender_anisotropic", roughness=0.5, anisotropy=0.5, rotation=0), [0.5, 0.125, 1.5707963]
+    )
     assert ms.to_convention("blender", [0.5, 0.5], [0.01, 0.3])["clipped"].tolist() == [True, False]
     with pytest.raises(taut.InputError, match="expected one of alpha, blender.*did you mean 'khr'"):
         ms.to_convention("khl", 0.4, 0.1)
@@ -80,7 +82,9 @@ def test_general_transforms():
     np.testing.assert_allclose(frame @ frame.swapaxes(1, 2), np.tile(np.eye(3), (len(T), 1, 1)), atol=1e-6)
     m = unit(random.normal(size=(len(T), 3)))
     s = np.einsum("nji,nj->ni", T, m)  # T^T m
-    expected = np.where(s[:, 2] > 0, np.abs(np.linalg.det(T)) / (np.pi * np.linalg.norm(inverse_transposed[:, :, 2], axis=1) * (s**2).sum(1) ** 2), 0)
+    expected = np.where(
+        s[:, 2] > 0, np.abs(np.linalg.det(T)) / (np.pi * np.linalg.norm(inverse_transposed[:, :, 2], axis=1) * (s**2).sum(1) ** 2), 0
+    )
     np.testing.assert_allclose(ms.general_D(T, m), expected, rtol=1e-9)
     np.testing.assert_allclose(ms.D(M, np.einsum("nij,nj->ni", frame, m)), expected, rtol=2e-4, atol=1e-6)
     with pytest.raises(taut.InputError, match=r"T\[1\]: found a matrix without an inverse"):
@@ -107,7 +111,9 @@ def test_canonical_form_keeps_the_product_and_the_alphas():
     largest, smallest, phi = ms.equivalent_alpha(M)
     np.testing.assert_allclose(ms.from_alpha(largest, smallest, phi)[good], M[good], rtol=1e-6, atol=1e-6)
     tensor = np.linalg.inv(product[good])
-    np.testing.assert_allclose(ms.slope_tensor(M)[good], np.stack([tensor[:, 0, 0], tensor[:, 0, 1], tensor[:, 1, 1]], 1), rtol=1e-6, atol=1e-9)
+    np.testing.assert_allclose(
+        ms.slope_tensor(M)[good], np.stack([tensor[:, 0, 0], tensor[:, 0, 1], tensor[:, 1, 1]], 1), rtol=1e-6, atol=1e-9
+    )
     assert np.isfinite(ms.canonical([[0, 0], [0, 0]])).all()
 
 
@@ -178,7 +184,11 @@ def test_samples_follow_their_density(M, theta, bounded):
     cells = (30, 60)
     observed = np.histogram2d(wi[:, 2], np.arctan2(wi[:, 1], wi[:, 0]), cells, [[0, 1], [-np.pi, np.pi]])[0].ravel()
     fine = 16
-    z, phi = np.meshgrid((np.arange(cells[0] * fine) + 0.5) / (cells[0] * fine), ((np.arange(cells[1] * fine) + 0.5) / (cells[1] * fine) * 2 - 1) * np.pi, indexing="ij")
+    z, phi = np.meshgrid(
+        (np.arange(cells[0] * fine) + 0.5) / (cells[0] * fine),
+        ((np.arange(cells[1] * fine) + 0.5) / (cells[1] * fine) * 2 - 1) * np.pi,
+        indexing="ij",
+    )
     r = np.sqrt(1 - z * z)
     p = ms.pdf(M, wo, np.stack([r * np.cos(phi), r * np.sin(phi), z], -1), bounded) * 2 * np.pi / z.size
     expected = count * p.reshape(cells[0], fine, cells[1], fine).sum((1, 3)).ravel()
@@ -199,7 +209,9 @@ def test_samples_follow_their_density(M, theta, bounded):
 def test_weights_are_what_is_evaluated_over_the_density():
     random = np.random.default_rng(5)
     M = ms.canonical(random.uniform(-3, 3, (4000, 2, 2)))
-    wo, wi = direction(random.uniform(0, 85, 4000), random.uniform(0, 360, 4000)), direction(random.uniform(0, 85, 4000), random.uniform(0, 360, 4000))
+    wo, wi = direction(random.uniform(0, 85, 4000), random.uniform(0, 360, 4000)), direction(
+        random.uniform(0, 85, 4000), random.uniform(0, 360, 4000)
+    )
     for correlated in (True, False):
         f = ms.evaluate(M, wo, wi, correlated)
         for bounded in (True, False):
@@ -272,7 +284,10 @@ def test_rows_are_read_in_place():
         (lambda: ms.G1([PLATE, [1, 0, float("nan")]], [0, 0, 1]), "M[1]: found a = 1, d = nan"),
         (lambda: ms.D([1, 1], [0, 0, 1]), "M: found an array of shape (2,), expected a last axis of 3 or 5"),
         (lambda: ms.D(PLATE, [0, 1]), "wm: found an array of shape (2,), expected a last axis of 3"),
-        (lambda: ms.evaluate(PLATE, np.ones((2, 3)), np.ones((3, 3))), "arguments: found shapes M (3,), wo (2, 3), wi (3, 3), expected shapes that"),
+        (
+            lambda: ms.evaluate(PLATE, np.ones((2, 3)), np.ones((3, 3))),
+            "arguments: found shapes M (3,), wo (2, 3), wi (3, 3), expected shapes that",
+        ),
         (lambda: ms.D("x", [0, 0, 1]), "M: found 'x', expected an array of numbers"),
         (lambda: ms.from_alpha(-1.0), "alpha[0]: found -1, -1, expected two numbers above 0"),
         (lambda: ms.canonical([1, 2]), "block: found an array of shape (2,), expected (..., 2, 2)"),

@@ -53,7 +53,10 @@ def set_vectors(mesh, name, values, domain):
 def write_in_place(mesh, values, domain):
     """Into attributes that are there, {name: [n, 3]}; False where they are not, or not of this domain."""
     attributes = [mesh.attributes.get(name) for name in values]
-    if any(a is None or a.domain != domain or a.data_type != "FLOAT_VECTOR" or len(a.data) != len(v) for a, v in zip(attributes, values.values())):
+    if any(
+        a is None or a.domain != domain or a.data_type != "FLOAT_VECTOR" or len(a.data) != len(v)
+        for a, v in zip(attributes, values.values())
+    ):
         return False
     for attribute, rows in zip(attributes, values.values()):
         attribute.data.foreach_set("vector", numpy.ascontiguousarray(rows, dtype=numpy.float32).ravel())

@@ -83,7 +83,8 @@ def evaluated_points(item, depsgraph):
     if counts_of(evaluated) != counts_of(mesh):
         names = ", ".join(m.name for m in item.modifiers if m.show_viewport) or "its modifiers"
         raise Trouble(
-            f"Its modifiers change the topology ({names}): {len(evaluated.vertices)} points, expected {len(mesh.vertices)}; apply what makes faces"
+            f"Its modifiers change the topology ({names}): {len(evaluated.vertices)} points, expected {len(mesh.vertices)}; "
+            "apply what makes faces"
         )
     return points_of(evaluated)
 
@@ -98,7 +99,15 @@ def _make(item, depsgraph):
         normals = numpy.empty(3 * len(mesh.loops), numpy.float32)
         mesh.loops.foreach_get("normal", normals)
         normals = normals.reshape(-1, 3)
-    arguments = (rest_points(item, depsgraph), faces_of(mesh), uv_of(mesh), tuple(settings.alpha), settings.rotation, settings.poisson, normals)
+    arguments = (
+        rest_points(item, depsgraph),
+        faces_of(mesh),
+        uv_of(mesh),
+        tuple(settings.alpha),
+        settings.rotation,
+        settings.poisson,
+        normals,
+    )
     gloss = taut.Gloss(*arguments)
     if gloss.split_points == 0:
         return _Kept(gloss, counts_of(mesh), "POINT")
@@ -163,7 +172,12 @@ def compute(item, depsgraph, anew=True):
     try:
         if kept is None or kept.counts != counts_of(item.data):
             kept = _kept[item.name_full] = _make(item, depsgraph)
-        elif not anew and kept.positions is not None and numpy.array_equal(kept.positions, positions) and item.data.attributes.get(M) is not None:
+        elif (
+            not anew
+            and kept.positions is not None
+            and numpy.array_equal(kept.positions, positions)
+            and item.data.attributes.get(M) is not None
+        ):
             return None
         found = kept.gloss.at(positions)
     except taut.InputError as error:

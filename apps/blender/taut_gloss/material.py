@@ -10,6 +10,7 @@ import bpy
 
 from . import versions
 
+
 class NodeMath:
     """Writes formulas as Math nodes of a tree."""
 
@@ -31,7 +32,10 @@ class NodeMath:
 
 
 def gloss_group():
-    """Node group: M as a vector (a, b, d) -> roughness, anisotropy, rotation of the Glossy / Anisotropic BSDF; Anisotropic is Principled's."""
+    """Node group: M as a vector (a, b, d) -> roughness, anisotropy, rotation of the Glossy / Anisotropic BSDF.
+
+    Anisotropic is Principled's.
+    """
     known = bpy.data.node_groups.get("Taut gloss")
     if known is not None:
         return known

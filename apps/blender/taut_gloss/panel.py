@@ -24,13 +24,17 @@ class TautSettings(bpy.types.PropertyGroup):
         update=live.settings_changed,
     )
     rest_frame: IntProperty(name="Rest Frame", default=1)
-    rest_object: PointerProperty(name="Rest Object", type=bpy.types.Object, poll=lambda _, o: o.type == "MESH", update=live.settings_changed)
+    rest_object: PointerProperty(
+        name="Rest Object", type=bpy.types.Object, poll=lambda _, o: o.type == "MESH", update=live.settings_changed
+    )
     alpha: FloatVectorProperty(
         name="Alpha", size=2, default=(0.1, 0.3), min=1e-4, max=10, soft_max=1, precision=3,
         description="GGX alpha along and across the tangent (dP/du), at rest; the square of Blender's roughness",
         update=live.settings_changed,
     )  # fmt: skip
-    rotation: FloatProperty(name="Rotation", subtype="ANGLE", description="Of the rest material about the normal", update=live.settings_changed)
+    rotation: FloatProperty(
+        name="Rotation", subtype="ANGLE", description="Of the rest material about the normal", update=live.settings_changed
+    )
     poisson: FloatProperty(
         name="Poisson", default=0, min=-1, max=0.5,
         description="Poisson's ratio: 0 keeps the thickness, 0.5 the volume, -1 leaves alpha alone where all is scaled",

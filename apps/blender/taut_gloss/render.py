@@ -124,7 +124,9 @@ class Description:
             light = {"type": "point", "position": _vector(position), "intensity": times(1 / (4 * math.pi))}
             if data.type == "SPOT":
                 outer = math.degrees(data.spot_size) / 2
-                light.update(type="spot", direction=_vector(axis), outer_deg=outer, inner_deg=min(outer * (1 - data.spot_blend), outer * 0.999))
+                light.update(
+                    type="spot", direction=_vector(axis), outer_deg=outer, inner_deg=min(outer * (1 - data.spot_blend), outer * 0.999)
+                )
                 # Cycles 3.4's spots also fall by the cosine to their axis.
                 self.warn(f"light '{item.name}': a spot's falloff, blend and radius are near to Cycles', not the same")
         self.tree["light"].append(light)
@@ -139,9 +141,7 @@ class Description:
             description = self.describe(material)
             settings = item.original.taut
             if following and description["type"] != "diffuse":
-                description.update(
-                    alpha=_vector(settings.alpha), rotation_deg=math.degrees(settings.rotation), poisson=settings.poisson
-                )
+                description.update(alpha=_vector(settings.alpha), rotation_deg=math.degrees(settings.rotation), poisson=settings.poisson)
             self.tree["material"][name] = description
         return name
 
@@ -173,11 +173,15 @@ class Description:
             single = node.distribution != "MULTI_GGX"
             return {
                 "type": "conductor", "f0": _colour(value("Color")), "alpha": self.alphas(largest, smallest),
-                "rotation_deg": math.degrees(phi), "multiscatter": "off" if single else "auto", "masking": masking if single else "correlated",
+                "rotation_deg": math.degrees(phi), "multiscatter": "off" if single else "auto",
+                "masking": masking if single else "correlated",
             }  # fmt: skip
         if kind == "BSDF_PRINCIPLED":
             largest, smallest, phi = ms.from_convention(
-                "blender", roughness=value("Roughness", True), anisotropic=value("Anisotropic", True), rotation=value("Anisotropic Rotation", True)
+                "blender",
+                roughness=value("Roughness", True),
+                anisotropic=value("Anisotropic", True),
+                rotation=value("Anisotropic Rotation", True),
             )
             return {
                 "type": "metallic_roughness", "color": _colour(value("Base Color")), "metallic": value("Metallic"),

@@ -149,7 +149,8 @@ class PointGloss {
             for (const std::size_t last = t + (end - begin - 2); t < last; ++t)
                 for (int k = 0; k < 3; ++k)
                     for (Index corner = begin; corner < end; ++corner)
-                        if (mesh.cornerPositions[corner] == pointOf(gloss_.mesh.triangles[t][k])) rows_[corner] = gloss_.mesh.triangles[t][k];
+                        if (mesh.cornerPositions[corner] == pointOf(gloss_.mesh.triangles[t][k]))
+                            rows_[corner] = gloss_.mesh.triangles[t][k];
         }
     }
 

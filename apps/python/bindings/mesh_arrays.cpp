@@ -29,7 +29,8 @@ template <class V> void shareValues(std::span<const V> given, const Mesh &mesh, 
 
 /// Values at points or at corners, as a mesh has them.
 template <class V>
-void setAttribute(const std::string &what, const Array<float> &rows, const Mesh &mesh, std::vector<V> &values, std::vector<Index> &corners) {
+void setAttribute(const std::string &what, const Array<float> &rows, const Mesh &mesh, std::vector<V> &values,
+                  std::vector<Index> &corners) {
     const std::span<const V> given = rowsOf<V>(rows);
     if (given.size() == mesh.positions.size()) {
         values.assign(given.begin(), given.end());

@@ -78,8 +78,7 @@ template <class F> py::object numberOfDirection(const py::array &transforms, con
     });
 }
 /// ... and of two.
-template <class F>
-py::object numberOfDirections(const py::array &transforms, const py::array &first, const py::array &second, const F &f) {
+template <class F> py::object numberOfDirections(const py::array &transforms, const py::array &first, const py::array &second, const F &f) {
     return byType(transforms, [&]<class T>() -> py::object {
         const TransformRows<T> m(transforms);
         const Rows<T> wo(first);
@@ -117,17 +116,15 @@ py::object batchedNumber(const py::array &transforms, const py::array &first, co
 
 py::object evaluate(const py::array &m, const py::array &wo, const py::array &wi, bool correlated) {
     if (isDouble(m)) return numberOfDirections(m, wo, wi, [&](auto t, auto o, auto i) { return reflectionFCos(t, o, i, correlated); });
-    return batchedNumber(m, wo, wi, [&](Block &b, std::size_t rows) {
-        batch::evaluate(b.transforms(), b.wo(), b.wi(), rows, correlated, b.value, b.pdf);
-    });
+    return batchedNumber(
+        m, wo, wi, [&](Block &b, std::size_t rows) { batch::evaluate(b.transforms(), b.wo(), b.wi(), rows, correlated, b.value, b.pdf); });
 }
 
 py::object pdf(const py::array &m, const py::array &wo, const py::array &wi, bool bounded) {
     if (isDouble(m) || bounded)
         return numberOfDirections(m, wo, wi, [&](auto t, auto o, auto i) { return reflectionPdf(t, o, i, bounded); });
-    return batchedNumber(m, wo, wi, [&](Block &b, std::size_t rows) {
-        batch::evaluate(b.transforms(), b.wo(), b.wi(), rows, true, b.pdf, b.value);
-    });
+    return batchedNumber(m, wo, wi,
+                         [&](Block &b, std::size_t rows) { batch::evaluate(b.transforms(), b.wo(), b.wi(), rows, true, b.pdf, b.value); });
 }
 
 py::object weight(const py::array &m, const py::array &wo, const py::array &wi, bool correlated, bool bounded) {
@@ -197,8 +194,7 @@ py::object sampleNormal(const py::array &transforms, const py::array &first, con
         Array<T> out = newRows<T>(count, 3);
         T *to = out.mutable_data();
         forRows(count, [&](std::size_t row) {
-            const Vector3<T> wm =
-                ggx::sampleVisibleNormal(m.transformAt(row), wo.vectorAt(row), Vector2<T>(u.at(row)[0], u.at(row)[1]));
+            const Vector3<T> wm = ggx::sampleVisibleNormal(m.transformAt(row), wo.vectorAt(row), Vector2<T>(u.at(row)[0], u.at(row)[1]));
             for (int c = 0; c < 3; ++c) to[3 * row + static_cast<std::size_t>(c)] = wm[c];
         });
         return out;
@@ -207,7 +203,8 @@ py::object sampleNormal(const py::array &transforms, const py::array &first, con
 
 py::object albedo(const py::array &transforms, const py::array &directions) {
     return numberOfDirection(transforms, directions, [](const auto &t, const auto &w) {
-        const MicroTransform m{float(t.a), float(t.b), float(t.d), float(t.p), float(t.q), float(t.inverseA), float(t.inverseD), float(t.det)};
+        const MicroTransform m{float(t.a), float(t.b),        float(t.d),        float(t.p),
+                               float(t.q), float(t.inverseA), float(t.inverseD), float(t.det)};
         return w.z > 0 ? energy::singleScatterAlbedo(m, Vec3(w)) : 0.0F;
     });
 }

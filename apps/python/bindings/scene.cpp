@@ -16,8 +16,8 @@ GivenMesh givenMesh(const py::tuple &given, double firstFrame) {
     const auto optional = [](const py::handle &value) {
         return value.is_none() ? std::nullopt : std::make_optional(py::cast<Array<float>>(value));
     };
-    MeshArrays arrays{py::cast<Array<float>>(given[0]), py::cast<Array<std::uint32_t>>(given[1]),
-                            py::cast<Array<std::uint32_t>>(given[2]), optional(given[3]), optional(given[4])};
+    MeshArrays arrays{py::cast<Array<float>>(given[0]), py::cast<Array<std::uint32_t>>(given[1]), py::cast<Array<std::uint32_t>>(given[2]),
+                      optional(given[3]), optional(given[4])};
     if (!given[7].is_none()) {
         arrays.faceMaterials = py::cast<Array<std::uint32_t>>(given[7]);
         arrays.materialNames = py::cast<std::vector<std::string>>(given[8]);
@@ -41,9 +41,9 @@ PlanOptions planOptionsOf(const std::string &model, const std::optional<float> &
     return options;
 }
 
-std::shared_ptr<PythonScene> loadPythonScene(const py::object &source, const std::string &folder, const std::map<std::string, py::tuple> &given,
-                                             const std::vector<std::string> &overrides, const std::string &model,
-                                             const std::optional<float> &tolerance) {
+std::shared_ptr<PythonScene> loadPythonScene(const py::object &source, const std::string &folder,
+                                             const std::map<std::string, py::tuple> &given, const std::vector<std::string> &overrides,
+                                             const std::string &model, const std::optional<float> &tolerance) {
     const PlanOptions options = planOptionsOf(model, tolerance);
     Warnings warnings;
     if (py::isinstance<py::str>(source)) {
@@ -89,19 +89,20 @@ void addScene(py::module_ &module) {
         .def("export", &PythonScene::exportFiles, py::arg("outputs"), py::arg("frames"), py::arg("objects"), py::arg("convention"),
              py::arg("positions"), py::arg("space"), py::arg("ascii"))
         .def("gloss", &PythonScene::glossAt, py::arg("frame"), py::arg("object"))
-        .def("set_points",
-             [](PythonScene &scene, const std::string &object, const std::vector<Array<float>> &frames, double firstFrame) {
-                 scene.setPoints(object, arrayPoints(frames, firstFrame));
-             },
-             py::arg("object"), py::arg("frames"), py::arg("first_frame"))
+        .def(
+            "set_points",
+            [](PythonScene &scene, const std::string &object, const std::vector<Array<float>> &frames, double firstFrame) {
+                scene.setPoints(object, arrayPoints(frames, firstFrame));
+            },
+            py::arg("object"), py::arg("frames"), py::arg("first_frame"))
         .def("stop", &PythonScene::stop);
     py::class_<Refinement>(module, "Refinement")
         .def(py::init([](std::shared_ptr<PythonScene> scene, double frame, int spp, int firstSample, const std::optional<double> &noise,
                          const std::array<int, 4> &crop, const std::vector<std::string> &aovs, const std::optional<std::uint32_t> &seed) {
                  return std::make_unique<Refinement>(std::move(scene), RefinementOptions{frame, spp, firstSample, noise, crop, aovs, seed});
              }),
-             py::arg("scene"), py::arg("frame"), py::arg("spp"), py::arg("first_sample"), py::arg("noise"), py::arg("crop"), py::arg("aovs"),
-             py::arg("seed"))
+             py::arg("scene"), py::arg("frame"), py::arg("spp"), py::arg("first_sample"), py::arg("noise"), py::arg("crop"),
+             py::arg("aovs"), py::arg("seed"))
         .def("advance", &Refinement::advance, py::arg("samples"), py::arg("seconds"), py::arg("progress"))
         .def("stop", &Refinement::stop)
         .def_property_readonly("done", &Refinement::done)

@@ -21,7 +21,8 @@ constexpr auto kSignalsEvery = std::chrono::milliseconds(10);
 class Alone {
   public:
     explicit Alone(Busy &busy) : busy_(busy) {
-        if (busy_.owner == std::this_thread::get_id()) throw RunError("scene: used by a function that it has called; wait until that is over");
+        if (busy_.owner == std::this_thread::get_id())
+            throw RunError("scene: used by a function that it has called; wait until that is over");
         unlocked_.emplace();
         busy_.mutex.lock();
         busy_.owner = std::this_thread::get_id();
@@ -130,7 +131,8 @@ py::dict PythonScene::glossAt(double frame, const std::string &name) {
         std::copy(row.begin(), row.end(), m.mutable_data() + 5 * v);
     }
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-        for (int k = 0; k < 3; ++k) faces.mutable_data()[3 * t + static_cast<std::size_t>(k)] = static_cast<std::int32_t>(mesh.triangles[t][k]);
+        for (int k = 0; k < 3; ++k)
+            faces.mutable_data()[3 * t + static_cast<std::size_t>(k)] = static_cast<std::int32_t>(mesh.triangles[t][k]);
     out["M"] = m;
     out["faces"] = faces;
     return out;
@@ -163,8 +165,8 @@ Refinement::Refinement(std::shared_ptr<PythonScene> scene, const RefinementOptio
     const Window &crop = frameOptions.window;
     if (crop != Window{} && (crop.empty() || crop.x0 < 0 || crop.y0 < 0 || crop.x1 > render.width || crop.y1 > render.height))
         failInput({"crop"}, "another part of the picture",
-                  "(x0, y0, x1, y1) with 0 <= x0 < x1 <= " + std::to_string(render.width) + " and 0 <= y0 < y1 <= " +
-                      std::to_string(render.height));
+                  "(x0, y0, x1, y1) with 0 <= x0 < x1 <= " + std::to_string(render.width) +
+                      " and 0 <= y0 < y1 <= " + std::to_string(render.height));
     frameOptions.seed = frameSeed(options.seed.value_or(render.seed), static_cast<int>(std::lround(options.frame)), render.fixedSeed);
     ready.setFrame(options.frame);
     change_ = scene_->changes_;

@@ -21,7 +21,8 @@ struct Busy {
 };
 
 /// A scene, made ready where first needed: by its plan, at the frames that it names; elsewhere, and with points of Python, of which nobody
-/// knows what they will be, everything per vertex and per hit (defaultPlan). Work on it is done by one thread at a time, without the interpreter's lock.
+/// knows what they will be, everything per vertex and per hit (defaultPlan). Work on it is done by one thread at a time, without the
+/// interpreter's lock.
 class PythonScene {
   public:
     PythonScene(Scene scene, Warnings warnings, PlanOptions plan, bool pointsOfPython);

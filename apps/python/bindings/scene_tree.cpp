@@ -83,7 +83,8 @@ Kept keep(py::object object) {
 }
 
 TomlValue treeOf(const py::handle &given, const std::string &where, int depth) {
-    if (depth > kDeepest) failInput({where.substr(0, 80)}, "values in values without an end", "at most " + std::to_string(kDeepest) + " levels");
+    if (depth > kDeepest)
+        failInput({where.substr(0, 80)}, "values in values without an end", "at most " + std::to_string(kDeepest) + " levels");
     py::object value = py::reinterpret_borrow<py::object>(given);
     if (py::hasattr(value, "tolist")) value = value.attr("tolist")(); // arrays and numbers of numpy
     if (py::hasattr(value, "__fspath__")) value = value.attr("__fspath__")();

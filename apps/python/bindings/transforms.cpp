@@ -202,7 +202,8 @@ void addTransforms(py::module_ &part) {
     part.def("normal_stretch", normalStretches);
     py::list names;
     for (const ConventionInfo &info : kConventions)
-        names.append(py::make_tuple(std::string(info.name), std::string(info.roughness), std::string(info.anisotropy), std::string(info.rotation)));
+        names.append(
+            py::make_tuple(std::string(info.name), std::string(info.roughness), std::string(info.anisotropy), std::string(info.rotation)));
     part.attr("conventions") = names;
 }
 

@@ -18,7 +18,12 @@ def drape(size=40, steps=240, pull=1.15):
     grid = rest.reshape(size, size, 3)
     pairs = [(grid[:, 1:], grid[:, :-1]), (grid[1:], grid[:-1]), (grid[1:, 1:], grid[:-1, :-1]), (grid[1:, :-1], grid[:-1, 1:])]
     number = np.arange(size * size).reshape(size, size)
-    ends = [(number[:, 1:], number[:, :-1]), (number[1:], number[:-1]), (number[1:, 1:], number[:-1, :-1]), (number[1:, :-1], number[:-1, 1:])]
+    ends = [
+        (number[:, 1:], number[:, :-1]),
+        (number[1:], number[:-1]),
+        (number[1:, 1:], number[:-1, :-1]),
+        (number[1:, :-1], number[:-1, 1:]),
+    ]
     a = np.concatenate([p.ravel() for p, _ in ends])
     b = np.concatenate([q.ravel() for _, q in ends])
     length = np.concatenate([np.linalg.norm(p - q, axis=-1).ravel() for p, q in pairs])
@@ -61,7 +66,17 @@ def draw(size, positions, gloss):
     side = np.cross([0, -1, 0], gloss.tangent)
     rough = np.cos(gloss.phi)[:, None] * gloss.tangent + np.sin(gloss.phi)[:, None] * side
     some = np.arange(len(positions)).reshape(size, size)[::4, ::4].ravel()
-    axes[1].quiver(positions[some, 0], positions[some, 2], rough[some, 0], rough[some, 2], color="w", pivot="mid", headaxislength=0, headlength=0, scale=34)
+    axes[1].quiver(
+        positions[some, 0],
+        positions[some, 2],
+        rough[some, 0],
+        rough[some, 2],
+        color="w",
+        pivot="mid",
+        headaxislength=0,
+        headlength=0,
+        scale=34,
+    )
     return figure
 
 

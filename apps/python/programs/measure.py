@@ -73,11 +73,15 @@ def main(program):
         turns.append((library, gloss_ms(gloss, moved), *rows_ns()))
     library = min(turn[0]["gloss_ms"] for turn in turns)
     python = min(turn[1] for turn in turns)
-    print(f"gloss of {SIDE * SIDE} points a frame: C++ {library:.1f} ms, Python {python:.1f} ms, ratio {python / library:.2f}, no input copied")
+    print(
+        f"gloss of {SIDE * SIDE} points a frame: C++ {library:.1f} ms, Python {python:.1f} ms, ratio {python / library:.2f}, no input copied"
+    )
     for name in ("evaluate", "weight", "sample"):
         library = statistics.median(turn[0]["ns_a_row"][name] for turn in turns)
         one, all_threads = (statistics.median(turn[i][name] for turn in turns) for i in (2, 3))
-        print(f"{name}: C++ batch {library:.2f} ns a row, Python {one:.2f} on one thread (ratio {one / library:.2f}), {all_threads:.2f} on all")
+        print(
+            f"{name}: C++ batch {library:.2f} ns a row, Python {one:.2f} on one thread (ratio {one / library:.2f}), {all_threads:.2f} on all"
+        )
 
 
 if __name__ == "__main__":

@@ -41,4 +41,17 @@ def limit_threads(threads: int) -> None:
     _taut.limit_threads(_checks.whole("threads", threads, 0, 1024))
 
 
-__all__ = ["Gloss", "InputError", "Refinement", "RunError", "Scene", "VertexGloss", "copies", "gloss", "limit_threads", "microsurface", "read_image", "write_image"]
+__all__ = [
+    "Gloss",
+    "InputError",
+    "Refinement",
+    "RunError",
+    "Scene",
+    "VertexGloss",
+    "copies",
+    "gloss",
+    "limit_threads",
+    "microsurface",
+    "read_image",
+    "write_image",
+]

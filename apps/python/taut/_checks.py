@@ -28,7 +28,10 @@ def number(where: str, value: Any, least: float = -math.inf, greatest: float = m
         if array is None or getattr(value, "size", 0) != 1:
             fail(where, describe(value), expected)
         return number(where, array(), least, greatest, expected)
-    found = float(value)
+    try:
+        found = float(value)
+    except OverflowError:
+        found = math.inf
     if not math.isfinite(found) or not least <= found <= greatest:
         fail(where, describe(value), expected)
     return found

@@ -110,7 +110,9 @@ class Scene:
         self._rendering = threading.RLock()
         if tolerance is not None:
             tolerance = number("tolerance", tolerance, 1e-6, 1, "a number in [1e-6, 1]")
-        self._core = _taut.Scene(tree, os.path.join(text("folder", folder), ""), given, texts("overrides", overrides), str(model), tolerance)
+        self._core = _taut.Scene(
+            tree, os.path.join(text("folder", folder), ""), given, texts("overrides", overrides), str(model), tolerance
+        )
 
     @staticmethod
     def _entry(number: int, entry: Any, given: Dict[str, Tuple[Any, ...]]) -> Any:
@@ -172,8 +174,9 @@ class Scene:
         progress: Optional[Callable[[float], Any]] = None,
     ) -> Picture:
         """A frame as arrays, row 0 the top: "rgb" (height, width, 3) linear and "coverage" (height, width), the share of its
-        samples that hit something, float32; "samples" (height, width); and one array for each of `aovs`, named as those of the command ("depth", "normal", "m", ..., or "all"): (height, width)
-        or (height, width, channels), in world space where it is a place or a direction.
+        samples that hit something, float32; "samples" (height, width); and one array for each of `aovs`, named as those of the
+        command ("depth", "normal", "m", ..., or "all"): (height, width) or (height, width, channels), in world space where it is a
+        place or a direction.
 
         frame     the scene's first by default; may be fractional.
         seconds   stop after the pass in which this much time is over; noise: adaptive sampling to this relative noise, spp the upper bound.

@@ -195,7 +195,9 @@ def deform(A: ArrayLike, M: ArrayLike, normal_stretch: ArrayLike = 1.0, lean: Ar
     the stretch along the normal; `lean` (..., 2) how far points are carried sideways per unit of height, before division by lambda.
     """
     A = _matrix("A", A, 2)
-    rows = Broadcast(common_type(A, M, normal_stretch, lean), A=(A, (4,)), M=(M, _M), normal_stretch=(normal_stretch, _ONE), lean=(lean, _U))
+    rows = Broadcast(
+        common_type(A, M, normal_stretch, lean), A=(A, (4,)), M=(M, _M), normal_stretch=(normal_stretch, _ONE), lean=(lean, _U)
+    )
     return rows.vector(_core.deform(*rows.rows))
 
 

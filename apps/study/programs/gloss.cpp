@@ -1,5 +1,5 @@
-/// taut_gloss_bench. What the Python module is measured against (apps/python/programs/measure.py): gloss of a sheet of a million points that the
-/// caller moves, by glossAtFrame(), and the microsurface a row by batch.h. One JSON object.
+/// taut_gloss_bench. What the Python module is measured against (apps/python/programs/measure.py): gloss of a sheet of a million points
+/// that the caller moves, by glossAtFrame(), and the microsurface a row by batch.h. One JSON object.
 
 #include "study/measures/timing.h"
 #include "study/microsurface/batch.h"
@@ -70,7 +70,9 @@ nlohmann::json measureRows() {
     const std::array<std::function<void()>, 3> rows{
         [&] { batch::evaluate(m, wo, wi, kRows, true, value.data(), pdf.data()); },
         [&] { batch::weight(m, wo, wi, kRows, true, value.data()); },
-        [&] { batch::sample(m, wo, ux.data(), uy.data(), kRows, {x.data(), y.data(), z.data()}, pdf.data()); }};
+        [&] {
+            batch::sample(m, wo, ux.data(), uy.data(), kRows, {x.data(), y.data(), z.data()}, pdf.data());
+        }};
     const auto seconds = timeInterleaved(rows, kRounds, Clock::Thread);
     const auto nanoseconds = [&](std::size_t row) { return 1e9 * seconds[row].value / static_cast<double>(kRows); };
     return {{"evaluate", nanoseconds(0)}, {"weight", nanoseconds(1)}, {"sample", nanoseconds(2)}};

@@ -27,7 +27,7 @@ struct LoadContext {
 
     Scene scene;
     Warnings &warnings;
-    std::string folder; ///< relative paths start here
+    std::string folder;                       ///< relative paths start here
     std::map<std::string, GivenMesh> given{}; ///< SceneTree::meshes
 
     // Every file is read once.
@@ -37,7 +37,7 @@ struct LoadContext {
     std::map<std::string, Index> materials{}; ///< [material.NAME] by name
     std::map<std::pair<const GltfFile *, Index>, Index> gltfMaterials{};
     std::map<std::string, std::optional<Texture>> gltfImages{}; ///< by file, number and decoding; none: it can't be read
-    UniqueNames objectNames{}; ///< of objects, and of glTF entries, whose objects are named entry/node
+    UniqueNames objectNames{};                                  ///< of objects, and of glTF entries, whose objects are named entry/node
     Index defaultMaterial = kNone;
     bool meshLights = false;              ///< [[light]] makes a mesh shine
     const TomlValue *wholeClip = nullptr; ///< frames = "clip"

@@ -26,7 +26,7 @@ struct GivenMesh {
 
 /// A scene file that a program made: a tree of keys, in which `file` of a [[mesh]] may name a given mesh.
 struct SceneTree {
-    TomlValue root; ///< places of its values are what errors name
+    TomlValue root;                          ///< places of its values are what errors name
     std::string name;                        ///< what Scene::path is
     std::string folder;                      ///< relative paths start here
     std::map<std::string, GivenMesh> meshes; ///< by the text of `file`
