@@ -79,7 +79,7 @@ def light(kind, **settings):
     return add(kind, data, **{"location": (0.5, 0.3, 2), **placed})
 
 
-def pictures(samples=256):
+def pictures(samples=64):
     scene = bpy.context.scene
     scene.cycles.samples = samples
     scene.render.filepath = os.path.join(scratch, "cycles.exr")

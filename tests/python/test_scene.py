@@ -268,7 +268,7 @@ def test_stop_from_another_thread():
 def test_progress_is_told_and_may_stop():
     scene = taut.Scene(sheet(sheared))
     shares = []
-    scene.render(1, spp=2000, progress=lambda share: shares.append((share, threading.get_ident())))
+    scene.render(1, spp=600, progress=lambda share: shares.append((share, threading.get_ident())))
     assert [s for s, _ in shares] == sorted(s for s, _ in shares) and shares[-1][0] == 1
     assert {t for _, t in shares} == {threading.get_ident()}
     assert scene.render(1, spp=1 << 20, progress=lambda share: share < 1e-4)["samples"].max() < 1 << 20
