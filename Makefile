@@ -1,14 +1,15 @@
-# taut: make (build), make demo, make test, make bench, make deps. On a fresh Debian 12 machine `make demo` and `make test`
+# taut: make (build), make demo, make test, make bench, make python, make deps. On a fresh Debian 12 machine `make demo` and `make test`
 # install what is missing and need nothing else.
 
 BUILD := build/release
 SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
+PYTHON_PACKAGES := python3-dev pybind11-dev python3-numpy python3-pytest
 PACKAGES := g++ cmake ninja-build pkg-config libopenmesh-dev libosd-dev libembree-dev libglm-dev libopenimageio-dev openimageio-tools \
             libtbb-dev libtomlplusplus-dev libcli11-dev libfmt-dev nlohmann-json3-dev catch2 \
-            ffmpeg gnuplot-nox fonts-dejavu-core
+            ffmpeg gnuplot-nox fonts-dejavu-core $(PYTHON_PACKAGES)
 MISSING := $(shell for p in $(PACKAGES); do dpkg-query -W -f='$${Status}' $$p 2>/dev/null | grep -q 'install ok installed' || echo $$p; done)
 
-.PHONY: all build command deps export-tools demo test bench sanitize format clean
+.PHONY: all build command deps python blender-addon export-tools demo test bench sanitize format clean
 
 all: build
 
@@ -22,12 +23,28 @@ ifneq ($(MISSING),)
 	$(SUDO) env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $(MISSING)
 endif
 
+# The package taut for the system's Python: import taut. PYTHON_FOLDER=... puts it elsewhere.
+PYTHON_FOLDER = $(shell /usr/bin/python3 -c "import sysconfig; print(sysconfig.get_path('platlib'))")
+python: deps
+	cmake --preset release
+	cmake --build --preset release --target taut_python
+	mkdir -p "$(PYTHON_FOLDER)" 2>/dev/null || $(SUDO) mkdir -p "$(PYTHON_FOLDER)"
+	$(if $(shell test -w "$(PYTHON_FOLDER)" && echo yes),,$(SUDO)) cmake --install $(BUILD) --component python --prefix "$(abspath $(PYTHON_FOLDER))"
+	PYTHONPATH="$(abspath $(PYTHON_FOLDER))" /usr/bin/python3 -c "import taut; print('taut', taut.__version__, 'in', taut.__path__[0])"
+
+# The Blender add-on as a file that Blender installs.
+blender-addon:
+	mkdir -p build
+	rm -f build/taut_gloss.zip
+	cd apps/blender && /usr/bin/python3 -m zipfile -c ../../build/taut_gloss.zip taut_gloss/
+	@echo build/taut_gloss.zip
+
 # What the tests of `taut export` read its files with; without it they say that they were skipped.
 export-tools:
 	$(SUDO) env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends python3-numpy blender nodejs npm
 	npm install --no-audit --no-fund --prefix build/tools gltf-validator@2.0.0-dev.3.10
 
-# The command alone: no tests, no benches.
+# The command alone: no tests, benches or Python.
 command: deps
 	cmake --preset release
 	cmake --build --preset release --target taut_command

@@ -35,6 +35,7 @@ import numpy
 from mathutils import Matrix, Vector
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from taut_gloss import versions  # noqa: E402
 FOLDER = ""
 
 
@@ -70,7 +71,7 @@ def add_light(scene, light):
         u, v = Vector(light["u"]), Vector(light["v"])
         data = bpy.data.lights.new("quad", "AREA")
         data.shape, data.size, data.size_y, data.spread = "RECTANGLE", u.length, v.length, math.pi
-        data.energy = strongest * 4 * u.length * v.length  # Cycles: radiance = power / (4 area)
+        data.energy = versions.rectangle_power(strongest, u.length * v.length)
         z = -u.cross(v).normalized()  # shines along its -z
         x = u.normalized()
         matrix = matrix_from(x, z.cross(x), z, Vector(light["corner"]) + 0.5 * u + 0.5 * v)
@@ -130,7 +131,7 @@ def add_mesh(scene, description, material):
     mesh.loops.foreach_set("vertex_index", triangles.ravel())
     mesh.polygons.add(len(triangles))
     mesh.polygons.foreach_set("loop_start", numpy.arange(0, 3 * len(triangles), 3, dtype="i4"))
-    mesh.polygons.foreach_set("loop_total", numpy.full(len(triangles), 3, "i4"))
+    versions.set_loop_totals(mesh, numpy.full(len(triangles), 3, "i4"))
     mesh.polygons.foreach_set("use_smooth", numpy.full(len(triangles), True))
     mesh.uv_layers.new(name="UVMap").data.foreach_set("uv", corner_uvs.ravel())
     mesh.update(calc_edges=True)
@@ -181,7 +182,7 @@ def set_environment(scene, description, sampled):
     if "file" in description:
         texture = tree.nodes.new("ShaderNodeTexEnvironment")
         texture.image = bpy.data.images.load(os.path.join(FOLDER, description["file"]))
-        texture.image.colorspace_settings.name = "Linear"
+        versions.set_linear(texture.image.colorspace_settings)
         texture.interpolation = "Linear"
         tree.links.new(texture.outputs["Color"], background.inputs["Color"])
         world.cycles.sampling_method = "MANUAL"
@@ -213,7 +214,7 @@ def serve(path):
     set_cycles(scene, description["render"], 1)
     scene.render.threads_mode, scene.render.threads = "FIXED", description["threads"]
     scene.render.use_persistent_data = True
-    scene.cycles.sampling_pattern = "SOBOL"
+    versions.set_sobol(scene.cycles)
     frame = 0
     print("CYCLES", json.dumps({"ready": True, "version": bpy.app.version_string}), flush=True)
     for line in sys.stdin:
@@ -238,7 +239,7 @@ def serve(path):
 def render(path, frame, spp, output, *files):
     import tomllib
 
-    import taut_gloss
+    from taut_gloss import import_gloss
 
     with open(path, "rb") as stream:
         description = tomllib.load(stream)
@@ -248,7 +249,7 @@ def render(path, frame, spp, output, *files):
     bpy.ops.wm.read_factory_settings(use_empty=True)
     scene = bpy.context.scene
     for file in files:
-        taut_gloss.import_gloss(file, int(frame))
+        import_gloss(file, int(frame))
     add_camera(scene, description["camera"])
     for light in description.get("light", []):
         add_light(scene, light)
@@ -261,7 +262,7 @@ def render(path, frame, spp, output, *files):
 
 def load(path):
     image = bpy.data.images.load(path)
-    image.colorspace_settings.name = "Raw" if "Raw" in [c.name for c in image.colorspace_settings.bl_rna.properties["name"].enum_items] else "Non-Color"
+    versions.set_raw(image.colorspace_settings)
     pixels = numpy.empty(len(image.pixels), numpy.float32)
     image.pixels.foreach_get(pixels)
     width, height = image.size

@@ -2,6 +2,7 @@
 
 #include "commands.h"
 #include "false_colour.h"
+#include "info_report.h"
 #include "json_text.h"
 #include "scene_arguments.h"
 
@@ -13,7 +14,6 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <array>
 #include <iostream>
 
 namespace taut::app {
@@ -27,118 +27,6 @@ struct InfoArguments {
     std::string falseColour; ///< a channel
     std::string output;
 };
-
-/// Scene, plan and measurements: what there is to tell.
-struct Report {
-    const InfoArguments &arguments;
-    const Scene &scene;
-    const RenderScene &ready;
-    const std::vector<GradientField> &fields; ///< [objects] over all frames
-};
-
-/// What a policy for what has no right answer did, by its name (surface.h).
-std::array<std::pair<std::string_view, Index>, 5> policiesOf(const Surface &surface) {
-    return {{{"NormalsFollowWinding", surface.turnedVertices},
-             {"RestAtLoneVertex", surface.loneVertices},
-             {"SkipDegenerateFace", surface.degenerateFaces},
-             {"SmoothFieldNoUv", surface.fallbackTangents},
-             {"TangentFromUv_mirrored", surface.mirroredVertices}}};
-}
-
-nlohmann::json toJson(const Question &q) {
-    nlohmann::json choices = nlohmann::json::array();
-    for (const Choice &c : q.choices)
-        choices.push_back({{"name", nameOf(c)}, {"predicted_error", c.error}, {"cost", c.cost}, {"noise", c.noise}});
-    return {{"name", nameOf(q)}, {"unit", unitOf(q)}, {"taken", nameOf(q.choices[q.taken])}, {"choices", choices}};
-}
-
-nlohmann::json toJson(const MeshPlan &plan) {
-    nlohmann::json questions = nlohmann::json::array();
-    for (const Question &q : plan.questions) questions.push_back(toJson(q));
-    return {{"stretch", nameOf(plan.stretch)},
-            {"gradient", nameOf(plan.estimator)},
-            {"interpolation", nameOf(plan.interpolation)},
-            {"questions", questions}};
-}
-
-nlohmann::json toJson(const RenderObject &object, const GradientField &field) {
-    const Surface &surface = object.surface;
-    const Mesh &mesh = object.mesh();
-    const MeshPlan &plan = object.plan;
-    const Topology topology = topologyOf(*object.object->mesh, object.object->rig.has_value());
-    nlohmann::json alpha; // null without a microsurface
-    if (plan.greatestAlpha > 0) alpha = {{"min", plan.leastAlpha}, {"max", plan.greatestAlpha}};
-    nlohmann::json policies;
-    for (const auto &[name, count] : policiesOf(surface)) policies[std::string(name)] = count;
-    return {{"name", object.object->name},
-            {"positions", mesh.positions.size()},
-            {"faces", mesh.faceCount()},
-            {"components", topology.components},
-            {"boundary_loops", topology.boundaryLoops},
-            {"complex_edges", topology.complexEdges},
-            {"triangles", surface.triangles.size()},
-            {"render_vertices", surface.vertexCount()},
-            {"subdivision", plan.subdivisionLevel},
-            {"follow", object.object->follow},
-            {"rigid", object.rigid},
-            {"skinned", !object.object->mesh->skin.empty()},
-            {"morphs", object.object->mesh->morphs.size()},
-            {"deformers", object.object->deformers.size()},
-            {"has_uvs", !surface.uvs.empty()},
-            {"stretch_max", field.greatestStretch},
-            {"stretch_min", field.leastStretch},
-            {"shear_max", field.greatestShear},
-            {"lean_max", field.lean},
-            {"alpha", alpha},
-            {"collapsed_vertices", field.collapsed},
-            {"folded_triangles", field.folded},
-            {"plan", toJson(plan)},
-            {"policies", policies}};
-}
-
-nlohmann::json toJson(const SceneFile &file) {
-    nlohmann::json clips = nlohmann::json::array();
-    for (const auto &[name, seconds] : file.clips) clips.push_back({{"name", name}, {"seconds", seconds}});
-    return {{"path", file.path},         {"clips", clips},          {"cameras", file.cameras}, {"lights", file.lights},
-            {"variants", file.variants}, {"left_out", file.leftOut}};
-}
-
-std::string_view bvhOf(const RenderScene &ready) {
-    return ready.refits() ? "refit, rebuilt where its rays would pay for it" : "built anew where something deforms";
-}
-
-nlohmann::json toJson(const Report &report) {
-    const Scene &scene = report.scene;
-    const std::vector<int> &frames = scene.render.frames;
-    const ScenePlan &plan = report.ready.plan();
-    nlohmann::json result{{"scene", report.arguments.scene.scene},
-                          {"width", scene.render.width},
-                          {"height", scene.render.height},
-                          {"spp", scene.render.spp},
-                          {"frames", frames.size()},
-                          {"first_frame", frames.front()},
-                          {"last_frame", frames.back()},
-                          {"textures", scene.textures.size()},
-                          {"lights", scene.lights.size()},
-                          {"environment", scene.environment.has_value()},
-                          {"tolerance", plan.tolerance},
-                          {"predicted_error", plan.predictedError},
-                          {"error_in_noise", plan.errorInNoise},
-                          {"bvh", bvhOf(report.ready)},
-                          {"files", nlohmann::json::array()},
-                          {"materials", nlohmann::json::array()},
-                          {"objects", nlohmann::json::array()}};
-    for (const SceneFile &file : scene.files) result["files"].push_back(toJson(file));
-    for (std::size_t i = 0; i < scene.materials.size(); ++i) {
-        const MultiscatterPlan &planned = plan.materials[i];
-        result["materials"].push_back({{"name", scene.materials[i].name},
-                                       {"multiscatter", nameOf(multiscatterOf(scene.materials[i], planned.model))},
-                                       {"predicted_error", planned.error},
-                                       {"question", planned.question ? toJson(*planned.question) : nlohmann::json()}});
-    }
-    for (std::size_t i = 0; i < report.fields.size(); ++i) result["objects"].push_back(toJson(report.ready.objects()[i], report.fields[i]));
-    return result;
-}
 
 /// One line a question: what was taken, what it loses and costs, and the same of the next cheaper choice; or of the dearest, where that
 /// was left for its noise.
@@ -187,7 +75,7 @@ void print(const Report &report) {
     const Scene &scene = report.scene;
     const RenderSettings &render = scene.render;
     const ScenePlan &plan = report.ready.plan();
-    fmt::print("{}: {} x {}, {} spp, {} frames ({} to {})\n", report.arguments.scene.scene, render.width, render.height, render.spp,
+    fmt::print("{}: {} x {}, {} spp, {} frames ({} to {})\n", report.scene.path, render.width, render.height, render.spp,
                render.frames.size(), render.frames.front(), render.frames.back());
     for (const SceneFile &file : scene.files) print(file);
     fmt::print("{} materials, {} textures, {} lights{}\n", scene.materials.size(), scene.textures.size(), scene.lights.size(),
@@ -240,7 +128,7 @@ int info(const InfoArguments &arguments) {
     PlannedScene planned = planFor(scene, arguments.model, true);
     const bool animated = scene.render.frames.size() > 1;
     RenderScene ready(std::move(scene), std::move(planned.plan), animated, std::move(planned.surfaces));
-    const Report report{arguments, ready.scene(), ready, planned.fields};
+    const Report report{ready.scene(), ready, planned.fields};
     if (!arguments.json) {
         if (pictures) writeFalseColours(arguments, ready);
         print(report);

@@ -2,6 +2,7 @@
 /// What the parts of the scene loader share: the scene being built, and what has already been read. Internal to `scene/`.
 
 #include "taut/formats/gltf.h"
+#include "taut/scene/load_scene.h"
 #include "taut/scene/rules.h"
 #include "taut/scene/scene.h"
 #include "taut/scene/table_reader.h"
@@ -26,7 +27,8 @@ struct LoadContext {
 
     Scene scene;
     Warnings &warnings;
-    std::string folder; ///< relative paths start here
+    std::string folder;                       ///< relative paths start here
+    std::map<std::string, GivenMesh> given{}; ///< SceneTree::meshes
 
     // Every file is read once.
     std::map<std::string, std::shared_ptr<const GltfFile>> gltfFiles{};
@@ -35,7 +37,7 @@ struct LoadContext {
     std::map<std::string, Index> materials{}; ///< [material.NAME] by name
     std::map<std::pair<const GltfFile *, Index>, Index> gltfMaterials{};
     std::map<std::string, std::optional<Texture>> gltfImages{}; ///< by file, number and decoding; none: it can't be read
-    UniqueNames objectNames{}; ///< of objects, and of glTF entries, whose objects are named entry/node
+    UniqueNames objectNames{};                                  ///< of objects, and of glTF entries, whose objects are named entry/node
     Index defaultMaterial = kNone;
     bool meshLights = false;              ///< [[light]] makes a mesh shine
     const TomlValue *wholeClip = nullptr; ///< frames = "clip"

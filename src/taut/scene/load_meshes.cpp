@@ -127,6 +127,26 @@ std::shared_ptr<const PointSource> pointCache(const LoadContext &context, const 
     return cache;
 }
 
+/// What an entry says of a single mesh's looks, once its mesh is known.
+void finishMesh(LoadContext &context, const TomlValue *material, const TomlValue *scheme, const std::string &from, Object object) {
+    if (std::optional<Mistake> mistake = mistakeInScheme(object)) {
+        mistake->found += " in " + from;
+        failOn(scheme->where, mistake);
+    }
+    object.name = uniqueName(context.objectNames, object.name);
+    object.materials = slotMaterials(context, *object.mesh, object.name, material);
+    context.scene.objects.push_back(std::move(object));
+}
+
+void addGiven(LoadContext &context, TableReader &table, const GivenMesh &given, Object object) {
+    const TomlValue *material = table.find("material");
+    const TomlValue *scheme = table.find("scheme");
+    table.finish();
+    object.mesh = given.mesh;
+    object.points = given.points;
+    finishMesh(context, material, scheme, "this mesh", std::move(object));
+}
+
 void addMesh(LoadContext &context, TableReader &table, const TomlValue &file, Object object) {
     if (!isMeshPath(file.text)) failInput(file.where, quoted(file.text), "a file ending in .obj, .ply, .off, .stl, .glb or .gltf");
     std::string path;
@@ -147,15 +167,9 @@ void addMesh(LoadContext &context, TableReader &table, const TomlValue &file, Ob
     const TomlValue *scheme = table.find("scheme");
     table.finish();
     object.mesh = meshFile(context, path);
-    if (std::optional<Mistake> mistake = mistakeInScheme(object)) {
-        mistake->found += " in " + path;
-        failOn(scheme->where, mistake);
-    }
     if (cache != nullptr) object.points = pointCache(context, *cache, *object.mesh, !frames.empty());
     if (!frames.empty()) object.points = sequencePoints(std::move(pattern), std::move(frames), object.mesh);
-    object.name = uniqueName(context.objectNames, object.name);
-    object.materials = slotMaterials(context, *object.mesh, object.name, material);
-    context.scene.objects.push_back(std::move(object));
+    finishMesh(context, material, scheme, path, std::move(object));
 }
 
 } // namespace
@@ -180,8 +194,9 @@ void loadMeshes(LoadContext &context, const TomlValue &section) {
                            "rotate_deg", "scale",      "up",       "clip",          "loop",   "lights", "deform", "scheme",
                            "boundary",   "crease_deg", "gradient", "interpolation", "lean",   "cache",  "variant"});
         const TomlValue &file = table.required("file", "file = \"mesh.obj\"");
+        const auto given = context.given.find(toText(file));
         Object object;
-        object.name = stemOf(context, toText(file));
+        object.name = given != context.given.end() ? "mesh" : stemOf(context, file.text);
         table.read("name", object.name);
         loadSurfaceModel(table, object);
         table.read("smooth", object.smooth);
@@ -189,7 +204,9 @@ void loadMeshes(LoadContext &context, const TomlValue &section) {
         table.read("rest", object.rest, toRest);
         if (const TomlValue *deform = table.find("deform")) object.deformers = loadDeformers(*deform);
         object.placement = loadPlacement(table, isGltfPath(file.text));
-        if (isGltfPath(file.text))
+        if (given != context.given.end())
+            addGiven(context, table, given->second, std::move(object));
+        else if (isGltfPath(file.text))
             addGltf(context, table, file, std::move(object));
         else
             addMesh(context, table, file, std::move(object));

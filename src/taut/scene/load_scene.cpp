@@ -83,20 +83,24 @@ void setClipFrames(const TomlValue &asked, Scene &scene) {
 } // namespace
 
 Scene loadScene(const std::string &path, const std::vector<std::string> &overrides, Warnings &warnings) {
-    TomlValue root = readRoot(path);
-    for (const std::string &text : overrides) applyOverride(root, text);
+    return loadScene({readRoot(path), path, std::filesystem::path(path).parent_path().string(), {}}, overrides, warnings);
+}
+
+Scene loadScene(SceneTree tree, const std::vector<std::string> &overrides, Warnings &warnings) {
+    for (const std::string &text : overrides) applyOverride(tree.root, text);
 
     LoadContext context(warnings);
-    context.folder = std::filesystem::path(path).parent_path().string();
-    context.scene.path = path;
-    TableReader table(root, "with the sections of a scene", {"render", "camera", "environment", "light", "material", "mesh"});
+    context.folder = std::move(tree.folder);
+    context.given = std::move(tree.meshes);
+    context.scene.path = tree.name;
+    TableReader table(tree.root, "with the sections of a scene", {"render", "camera", "environment", "light", "material", "mesh"});
     if (const TomlValue *section = table.find("render")) loadRender(context, *section);
     if (const TomlValue *section = table.find("material")) loadMaterials(context, *section);
     if (const TomlValue *section = table.find("mesh")) loadMeshes(context, *section);
     if (const TomlValue *section = table.find("light")) loadLights(context, *section);
     if (const TomlValue *section = table.find("environment")) loadEnvironment(context, *section);
     if (!isLit(context.scene, context.meshLights)) context.scene.environment = studioEnvironment();
-    loadCamera(context, table.find("camera"), isGltfPath(path) ? path : "");
+    loadCamera(context, table.find("camera"), isGltfPath(tree.name) ? tree.name : "");
     if (context.wholeClip != nullptr) setClipFrames(*context.wholeClip, context.scene);
     for (const Object &object : context.scene.objects)
         if (object.subdivision.level > 0 && !object.mesh->storedM.empty())

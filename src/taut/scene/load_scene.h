@@ -3,7 +3,9 @@
 
 #include "taut/base/error.h"
 #include "taut/scene/scene.h"
+#include "taut/scene/toml_value.h"
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -15,5 +17,20 @@ namespace taut {
 /// Throws InputError for anything malformed: unknown keys (with the nearest valid one), wrong types, values out of range,
 /// missing files, in the TOML or in any file that it names.
 Scene loadScene(const std::string &path, const std::vector<std::string> &overrides, Warnings &warnings);
+
+/// A mesh that a program brings along instead of a file.
+struct GivenMesh {
+    std::shared_ptr<const Mesh> mesh;
+    std::shared_ptr<const PointSource> points; ///< null: it does not move by itself
+};
+
+/// A scene file that a program made: a tree of keys, in which `file` of a [[mesh]] may name a given mesh.
+struct SceneTree {
+    TomlValue root;                          ///< places of its values are what errors name
+    std::string name;                        ///< what Scene::path is
+    std::string folder;                      ///< relative paths start here
+    std::map<std::string, GivenMesh> meshes; ///< by the text of `file`
+};
+Scene loadScene(SceneTree tree, const std::vector<std::string> &overrides, Warnings &warnings);
 
 } // namespace taut

@@ -1,0 +1,65 @@
+"""What differs between the Blender of Debian 12 (3.4) and that of Debian 13 (4.3): all of it is here, for the add-on and the scripts."""
+
+import math
+
+import bpy
+
+
+def set_sobol(cycles):
+    """Cycles' Sobol points."""
+    items = {item.identifier for item in cycles.bl_rna.properties["sampling_pattern"].enum_items}
+    cycles.sampling_pattern = "SOBOL" if "SOBOL" in items else "TABULATED_SOBOL"
+
+
+def _first_colour_space(settings, names):
+    """The first of several names of a colour space that this Blender has."""
+    known = {item.identifier for item in settings.bl_rna.properties["name"].enum_items}
+    settings.name = next(name for name in names if name in known)
+
+
+def set_linear(settings):
+    """Linear light of Rec. 709's primaries, for an image's colorspace_settings."""
+    _first_colour_space(settings, ("Linear", "Linear Rec.709"))
+
+
+def set_raw(settings):
+    """Numbers as they are."""
+    _first_colour_space(settings, ("Raw", "Non-Color"))
+
+
+def rectangle_power(radiance, area):
+    """Power of a rectangular lamp of this radiance: 3.4 divides by 4 areas, 4.3 by pi areas, as of a Lambertian emitter."""
+    return radiance * area * (4.0 if bpy.app.version < (4, 0, 0) else math.pi)
+
+
+def rectangle_radiance(power, area):
+    """Its inverse."""
+    return power / rectangle_power(1.0, area)
+
+
+def new_socket(group, kind, name, where):
+    """A socket of a node group; `where` is INPUT or OUTPUT."""
+    if hasattr(group, "interface"):  # 4.0
+        return group.interface.new_socket(name, in_out=where, socket_type=kind)
+    return (group.inputs if where == "INPUT" else group.outputs).new(kind, name)
+
+
+def set_loop_totals(mesh, totals):
+    """Corners of each polygon; since 3.6 they follow from where the polygons start."""
+    if bpy.app.version < (3, 6, 0):
+        mesh.polygons.foreach_set("loop_total", totals)
+
+
+def keep_custom_normals(mesh):
+    """Until 4.0 custom normals are ignored without this."""
+    if hasattr(mesh, "use_auto_smooth"):
+        mesh.use_auto_smooth = True
+        mesh.auto_smooth_angle = math.pi
+
+
+def has_custom_normals(mesh):
+    """Whether normals of its corners are not those of its faces' angles and smoothness."""
+    return mesh.has_custom_normals
+
+
+GLOSSY_NODES = {"BSDF_ANISOTROPIC", "BSDF_GLOSSY"}  # one node since 4.0, under the first name

@@ -1,0 +1,40 @@
+/// Pictures to and from files.
+
+#include "arrays.h"
+
+#include "taut/base/error.h"
+#include "taut/render/image_file.h"
+
+#include <pybind11/stl.h>
+
+namespace taut::python {
+
+void addImage(py::module_ &module) {
+    module.def(
+        "write_image",
+        [](const std::string &path, const Array<float> &pixels, const std::vector<std::string> &channels) {
+            if (!isImagePath(path)) failInput({"path"}, quoted(path), "a file name that ends in .exr or .png");
+            const auto height = static_cast<int>(pixels.shape(0));
+            const auto width = static_cast<int>(pixels.shape(1));
+            const Image image{{0, 0, width, height}, width, height, channels, {pixels.data(), pixels.data() + pixels.size()}};
+            const py::gil_scoped_release unlocked;
+            writeImage(path, image);
+        },
+        py::arg("path"), py::arg("pixels").noconvert(), py::arg("channels"));
+    module.def(
+        "read_image",
+        [](const std::string &path) {
+            Image image;
+            {
+                const py::gil_scoped_release unlocked;
+                image = readImage(path);
+            }
+            Array<float> pixels({static_cast<py::ssize_t>(image.window.height()), static_cast<py::ssize_t>(image.window.width()),
+                                 static_cast<py::ssize_t>(image.channels.size())});
+            std::copy(image.values.begin(), image.values.end(), pixels.mutable_data());
+            return py::make_tuple(pixels, image.channels);
+        },
+        py::arg("path"));
+}
+
+} // namespace taut::python

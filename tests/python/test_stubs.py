@@ -1,0 +1,75 @@
+"""Stubs name what is there, every public thing says what it does, and help(taut) is a manual."""
+
+import ast
+import inspect
+import pydoc
+
+import pytest
+import taut
+import taut._taut as core
+
+from conftest import ROOT
+
+PACKAGE = ROOT / "apps" / "python" / "taut"
+
+
+def declared(path):
+    """Names of a stub: functions, variables, and classes with their members."""
+    names = {}
+    for node in ast.parse(path.read_text()).body:
+        if isinstance(node, (ast.FunctionDef, ast.ClassDef)):
+            names[node.name] = {m.name for m in getattr(node, "body", []) if isinstance(m, ast.FunctionDef)}
+        elif isinstance(node, ast.AnnAssign):
+            names[node.target.id] = set()
+    return names
+
+
+def public(thing):
+    return {name for name in dir(thing) if not name.startswith("_")}
+
+
+@pytest.mark.parametrize("stub, module", [("__init__.pyi", core), ("microsurface.pyi", core.microsurface)])
+def test_stubs_name_what_is_compiled(stub, module):
+    names = declared(PACKAGE / "_taut" / stub)
+    assert set(names) == public(module) - {"microsurface"}
+    for name, members in names.items():
+        thing = getattr(module, name)
+        if inspect.isclass(thing) and not issubclass(thing, Exception):
+            assert members - {"__init__"} == public(thing), name
+
+
+def test_stubs_are_true_to_types():
+    api = pytest.importorskip("mypy.api")
+    said, _, failed = api.run(["--strict", "--no-error-summary", "--cache-dir=/dev/null", str(PACKAGE)])
+    assert failed == 0, said
+
+
+def members():
+    for name in taut.__all__:
+        yield name, getattr(taut, name)
+    for name in taut.microsurface.__all__:
+        if callable(getattr(taut.microsurface, name)):
+            yield "microsurface." + name, getattr(taut.microsurface, name)
+    for cls in (taut.Gloss, taut.Scene, taut.Refinement):
+        for name in public(cls):
+            yield f"{cls.__name__}.{name}", getattr(cls, name)
+
+
+@pytest.mark.parametrize("name, thing", list(members()))
+def test_everything_says_what_it_does(name, thing):
+    text = thing.__doc__
+    assert text and len(text.strip()) > 20
+    if inspect.isfunction(thing):
+        hints = inspect.signature(thing)
+        assert hints.return_annotation is not inspect.Signature.empty
+        assert all(p.annotation is not p.empty for p in hints.parameters.values() if p.name != "self")
+
+
+def test_help_reads_as_a_manual():
+    text = pydoc.plain(pydoc.render_doc(taut))
+    for part in ("taut.Gloss(rest, faces, uv, alpha=(0.1, 0.3))", "Spaces and units", "Errors.", "Source:", "class Gloss", "class Scene",
+                 "gloss(rest", "radians", "float32", "counter-clockwise", "Raises InputError"):  # fmt: skip
+        assert part in text, part
+    assert "Smith masking" in pydoc.plain(pydoc.render_doc(taut.microsurface))
+    longest = max(len(line) for line in inspect.getdoc(taut).splitlines())
+    assert longest <= 140
