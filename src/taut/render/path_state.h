@@ -4,6 +4,7 @@
 /// many at once, surface_test.cpp says what they meet.
 
 #include "taut/base/sobol.h"
+#include "taut/bsdf/tilted_facet.h"
 #include "taut/render/camera_rays.h"
 #include "taut/render/hit_lanes.h"
 #include "taut/render/integrator.h"
@@ -102,7 +103,7 @@ struct PathTracer::State {
     void prefetch(std::size_t i) const;
     void gather(std::size_t lane, std::size_t i);
     void shadeAtOnce(int event, const PlainMaterial &material, std::span<const Index> chunk);
-    void connectLight(int event, Index index, const SurfacePoint &point, const ScatteringPoint &scattering);
+    void connectLight(int event, Index index, const SurfacePoint &point, const FacetScattering &scattering);
     void testShadows(int event);
 };
 

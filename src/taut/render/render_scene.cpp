@@ -125,6 +125,19 @@ void RenderScene::askForSurfaces() {
     }
 }
 
+/// Likewise.
+void RenderScene::askForStrains() {
+    for (std::size_t i = 0; i < objects_.size(); ++i) {
+        RenderObject &object = objects_[i];
+        const std::vector<Index> &materials = object.object->materials;
+        const bool known = object.object->follow && object.storedPoisson.empty();
+        const bool roughens =
+            known && std::any_of(materials.begin(), materials.end(), [&](Index m) { return scene_.materialAt(m).roughening > 0; });
+        if (roughens && !object.roughens) changed_[i] = 1;
+        object.roughens = roughens;
+    }
+}
+
 void RenderScene::setFrame(double frame, StageTimes &times) {
     const RenderSettings &render = scene_.render;
     const DMat4 before = worldFromRender_;
@@ -133,6 +146,7 @@ void RenderScene::setFrame(double frame, StageTimes &times) {
     const bool stands = committed_ && frame == frame_ && worldFromRender_ == before;
     const DMat4 renderFromWorld = inverseOfRigid(worldFromRender_);
     moveCamera(frame, renderFromWorld);
+    askForStrains();
     for (Index i = 0; i < objects_.size(); ++i) {
         RenderObject &object = objects_[i];
         if (stands && changed_[i] == 0 && !object.object->points) {

@@ -87,6 +87,7 @@ class RenderScene {
 
   private:
     void askForSurfaces();
+    void askForStrains();
     void moveCamera(double frame, const DMat4 &renderFromWorld);
 
     Index addInstance(const RenderObject &object);

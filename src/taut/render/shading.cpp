@@ -1,5 +1,7 @@
 #include "taut/render/shading.h"
 
+#include "taut/microsurface/roughening.h"
+#include "taut/render/facet.h"
 #include "taut/scene/material_gloss.h"
 
 namespace taut {
@@ -42,19 +44,44 @@ MicroTransform microAt(const Material &material, const RestRoughness &rest, cons
     return transformAt(material, rest, point.stretch, point.tangent, sense, leans ? &point.lean : nullptr);
 }
 
-Bsdf bsdfAt(const PreparedMaterial &prepared, const Scene &scene, const SurfacePoint &point, float sense) {
+/// The facet that a map makes of the point for this rest roughness, roughened by its strain.
+HitFacet roughFacetAt(const Material &material, const RestRoughness &rest, const SlopeMap &map, const SlopePlace &place) {
+    const SurfacePoint &point = place.point;
+    const MicroTransform plain = microAt(material, rest, point, place.sense);
+    HitFacet facet = facetAt(material, rest, slopesAt(map, place), point, place.sense, plain);
+    if (point.strain > 0)
+        facet.micro = roughened(facet.micro, addedAlpha(static_cast<double>(point.strain), static_cast<double>(material.roughening),
+                                                        static_cast<double>(material.yield)));
+    return facet;
+}
+
+/// The coat's facet, in the frame of the base's.
+void setCoat(const Material &material, const SlopePlace &place, const HitFacet &base, Bsdf &bsdf) {
+    const float alpha = glm::clamp(sqr(evaluate(material.clearcoatRoughness, place.scene, place.point.uv)), kLeastAlpha, 1.0F);
+    const HitFacet coat = roughFacetAt(material, {alpha, alpha, 0}, material.coatSlopes, place);
+    bsdf.coatMicro = coat.micro;
+    bsdf.coatTilted = base.tilted || coat.tilted;
+    if (bsdf.coatTilted)
+        bsdf.coatFrame = {base.frame.toLocal(coat.frame.s), base.frame.toLocal(coat.frame.t), base.frame.toLocal(coat.frame.n)};
+}
+
+/// What scatters at the point, and the facet that it is on.
+void setBsdf(const PreparedMaterial &prepared, const SlopePlace &place, SurfacePoint &point) {
+    const Scene &scene = place.scene;
     const Material &material = *prepared.material;
-    Bsdf bsdf = bsdfOf(prepared, valuesAt(prepared, scene, point), point.facing);
-    if (!bsdfInfo(material.type).microsurface) return bsdf;
-    bsdf.micro = microAt(material, restRoughness(material, scene, point.uv), point, sense);
-    if (bsdf.coat > 0) {
-        const float alpha = glm::clamp(sqr(evaluate(material.clearcoatRoughness, scene, point.uv)), kLeastAlpha, 1.0F);
-        bsdf.coatMicro = microAt(material, {alpha, alpha, 0}, point, sense);
-    }
+    Bsdf &bsdf = point.bsdf = bsdfOf(prepared, valuesAt(prepared, scene, point), point.facing);
+    const bool glossy = bsdfInfo(material.type).microsurface;
+    if (!glossy && !material.slopes.isGiven()) return;
+    const RestRoughness rest = glossy ? restRoughness(material, scene, point.uv) : RestRoughness{1, 1, 0};
+    const HitFacet facet = roughFacetAt(material, rest, material.slopes, place);
+    point.facet = facet.frame;
+    point.tilted = facet.tilted;
+    if (!glossy) return;
+    bsdf.micro = facet.micro;
+    if (bsdf.coat > 0) setCoat(material, place, facet, bsdf);
     // As multiscatterOf() has it for a whole material, where a texture says so.
     const bool isPaint = bsdfInfo(material.type).reads(kMetallicKey) && bsdf.metallic == 0 && material.multiscatter == Multiscatter::Auto;
     bsdf.multiscatter = isPaint ? Multiscatter::Off : multiscatterAt(prepared, bsdf.micro);
-    return bsdf;
 }
 
 /// KHR_materials_volume: of white light the attenuation colour is left after the attenuation distance (Beer's law).
@@ -78,6 +105,12 @@ void deformationAt(const RenderObject &object, const HitCorners<false> &corners,
     } else if (!step.stretch.empty()) {
         point.stretch = decodeStretch(corners.stretchIsConstant() ? GradientInterpolation::Stretch : object.plan.interpolation,
                                       corners.stretch(), s, t);
+    }
+    if (object.roughens) {
+        const float lambda = step.inverseLambda.empty() ? 1.0F : 1 / corners.interpolate(&SurfaceStep::inverseLambda);
+        const Vec3 v = point.stretch * lambda;
+        const Vec2 sigma = singularValues(v.x, v.y, v.y, v.z);
+        point.strain = static_cast<float>(equivalentStrain(static_cast<double>(sigma.x), static_cast<double>(sigma.y)));
     }
     if (step.lean.empty()) return;
     const Vec3 lean = corners.interpolate(&SurfaceStep::lean) * point.facing;
@@ -151,7 +184,7 @@ SurfacePoint surfacePointAt(const RenderScene &scene, const std::vector<Prepared
     const PreparedMaterial &material = materials[materialOfTriangle(object, hit.primitive)];
     point.baseColor = evaluateShare(material.material->color, scene.scene(), point.uv);
     if (material.material->vertexColors) point.baseColor *= Vec3(point.color);
-    point.bsdf = bsdfAt(material, scene.scene(), point, geometry.sense);
+    setBsdf(material, {scene.scene(), point, at, geometry.sense}, point);
     if (point.bsdf.refracts && point.facing > 0) point.extinction = material.extinction;
     const Object &source = *object.object;
     point.scatters = !material.material->unlit;

@@ -15,6 +15,8 @@ struct SurfacePoint {
     float clearance = 0;  ///< distance from the surface at which a ray may start, see offsetOrigin()
     Frame frame;          ///< shading frame: a function of the shading normal alone, so that nothing sampled in it depends on how
                           ///< the surface is parametrised; n on the geometric normal's side
+    Frame facet;          ///< in the shading frame, where a map tilts it: that of `bsdf`
+    bool tilted = false;  ///< else the facet is the mesh
     Bsdf bsdf;
     UvPoint uv;
     Vec4 color{1};        ///< of the mesh itself, linear RGBA
@@ -26,6 +28,7 @@ struct SurfacePoint {
     Vec3 stretch{1, 0, 1}; ///< V in the frame: ss, st, tt
     Vec2 lean{0};          ///< column 3 of M in the frame; zero unless the mesh leans
     Vec2 tangent{1, 0};    ///< R t0, the rotated tangent, in the frame; unit
+    float strain = 0;      ///< equivalentStrain() of A, where a material asks for it
     Vec3 baseColor{0};
     const RenderObject *object = nullptr;
     Index3 corners{0};

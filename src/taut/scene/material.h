@@ -23,6 +23,23 @@ struct ColorParam {
 
 enum class Masking { Correlated, Separable };
 
+/// Slopes between the mesh and the microsurface, in the frame of its tangents (x along dP/du): a normal map, or heights.
+struct SlopeMap {
+    enum class Kind : std::uint8_t {
+        Normal, ///< tangent-space normals as glTF stores them, y up: 2 texel - 1
+        Bump,   ///< heights in widths of the image, whose texels are square on the surface; the texture holds slopes (slope_texture.h)
+        Height, ///< heights in metres at rest; likewise, per unit of u and v
+    };
+    Kind kind = Kind::Normal;
+    Index texture = kNone; ///< kNone: the mesh's own normals
+    float scale = 1;       ///< of the slopes
+    [[nodiscard]] bool isGiven() const { return texture != kNone; }
+};
+
+/// What a mapped facet does under a deformation. Leans: its micro-geometry is carried along (microsurface/mesostructure.h). Bends: what
+/// most renderers do, for comparison: its normal turns, and the gloss is that of the mesh.
+enum class FacetModel { Leans, Bends };
+
 /// What becomes of opacity (glTF's alphaMode). Mask: below Material::alphaCutoff there is no surface, above it there is all of it. Blend:
 /// that share of the light meets the surface, the rest goes on as if there were none.
 enum class AlphaMode { Opaque, Mask, Blend };
@@ -45,6 +62,11 @@ struct Material {
     float poisson = 0; ///< [-1, 0.5]: lambda = det(A)^(-nu/(1-nu)); -1: the normal stretches as the surface does
     Masking masking = Masking::Correlated;
     Multiscatter multiscatter = Multiscatter::Auto;
+    SlopeMap slopes;     ///< of all kinds
+    SlopeMap coatSlopes; ///< metallic-roughness: of the clear coat, which follows no other
+    FacetModel facets = FacetModel::Leans;
+    float roughening = 0; ///< alpha per unit of equivalent strain beyond `yield` (microsurface/roughening.h)
+    float yield = 0;      ///< strain
 
     FloatParam opacity{1}; ///< share of the surface that is there (glTF: alpha of the base colour, channel 3 of its texture)
     AlphaMode alphaMode = AlphaMode::Opaque;
