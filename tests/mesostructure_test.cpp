@@ -2,7 +2,7 @@
 
 #include "direction_bins.h"
 
-#include "taut/bsdf/bsdf.h"
+#include "taut/bsdf/tilted_facet.h"
 #include "taut/microsurface/mesostructure.h"
 
 #include <catch2/catch.hpp>
@@ -215,4 +215,38 @@ TEST_CASE("Roughening adds alpha in proportion to the strain beyond the yield", 
     const MicroTransform same = roughened(m, 0);
     CHECK((same.a == m.a && same.b == m.b && same.d == m.d));
     CHECK(equivalentAlpha(roughened(microTransformFromAlpha(1e-4F, 10), 0.3)).min == Approx(std::sqrt(1e-8 + 0.09)));
+}
+
+TEST_CASE("What a facet sends below its mesh is mirrored: sampler and density agree, and nothing is lost or made", "[mesostructure]") {
+    Uniform uniform(12);
+    const auto all = cases();
+    const double level = sidak(0.01, static_cast<int>(all.size()) * 3);
+    for (const Case &c : all) {
+        const auto mapped = mappedTransform(c.deformation, {Vec2(c.slope), Vec3(0)}, restOf(c.alpha.x, c.alpha.y, 0.3));
+        REQUIRE(mapped);
+        Bsdf bsdf;
+        bsdf.type = BsdfType::Conductor;
+        bsdf.micro = mapped->micro;
+        // A geometric normal a little off the shading normal.
+        const TiltedFacet facet{mapped->frame, glm::normalize(Vec3(0.05F, -0.03F, 1))};
+        const Frame plane = smoothFrameFromNormal(facet.plane);
+        for (const double theta : {20.0, 60.0, 85.0}) {
+            INFO(c.name << " from " << theta << " degrees");
+            const FacetScattering point(bsdf, &facet, direction(theta, 200));
+            const auto draw = [&]() -> std::optional<Vec3> {
+                const auto s = point.sample(uniform.pair(), uniform.number());
+                return s ? std::optional<Vec3>(plane.toLocal(s->wi)) : std::nullopt;
+            };
+            const auto pdf = [&](const Vec3 &wi) { return point.evaluate(plane.fromLocal(wi)).pdf; };
+            CHECK(chiSquaredOf(draw, pdf, 0, 1) > level);
+            // The light that is reflected is that of the facet alone.
+            const Vec3 wo = direction(theta, 200);
+            const Vec3 seen = facet.frame.toLocal(wo);
+            const ScatteringPoint alone(bsdf, {seen.x, seen.y, std::fabs(seen.z)});
+            const auto albedo = [](const auto &f) { return integrate(f, 0, 1, 0, 2 * kPiD, 200); };
+            const double reflected = albedo([&](const Vec3 &wi) { return point.evaluate(plane.fromLocal(wi)).fCos.x; });
+            CHECK(reflected == Approx(albedo([&](const Vec3 &wi) { return alone.evaluate(wi).fCos.x; })).epsilon(3e-3));
+            CHECK(reflected < 1);
+        }
+    }
 }

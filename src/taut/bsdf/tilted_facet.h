@@ -10,22 +10,23 @@
 
 namespace taut {
 
+/// A facet in the mesh's shading frame.
+struct TiltedFacet {
+    Frame frame;         ///< of the facet
+    Vec3 plane{0, 0, 1}; ///< the mesh's geometric normal, on the viewer's side
+};
+
 class FacetScattering {
   public:
-    /// `facet` in the shading frame; null: the mesh's own. `wo` in the shading frame.
-    FacetScattering(const Bsdf &bsdf, const Frame *facet, const Vec3 &wo)
-        : facet_(facet), point_(bsdf, facet != nullptr ? facet->toLocal(wo) : wo) {}
+    /// `facet`: null where it is the mesh. `wo` in the shading frame.
+    FacetScattering(const Bsdf &bsdf, const TiltedFacet *facet, const Vec3 &wo)
+        : facet_(facet), point_(bsdf, facet != nullptr ? seenBy(facet->frame, wo) : wo) {}
 
-    /// use(direction in the facet's frame) for those that leave the surface along `wi`, shading frame.
-    template <class Use> void forEachSource(const Vec3 &wi, const Use &use) const {
-        if (facet_ == nullptr) return void(use(wi));
-        for (const float mirror : {1.0F, -1.0F}) {
-            const Vec3 local = facet_->toLocal({wi.x, wi.y, mirror * wi.z});
-            if ((local.z > 0) == (wi.z > 0)) use(local);
-        }
-    }
+    /// Whether light may leave along `wi` (shading frame), which lies to that side of the mesh: where shading and geometric normal disagree
+    /// about it, it would leak. A facet answers for itself.
+    [[nodiscard]] bool mayLeave(const Vec3 &wi, bool viewersSide) const { return facet_ != nullptr || viewersSide == (wi.z > 0); }
 
-    /// use(BsdfEval) for all that is scattered towards wi, in parts that are weighed one by one.
+    /// use(BsdfEval) for all that is scattered towards wi, shading frame, in parts that are weighed one by one.
     template <class Use> void forEachPart(const Vec3 &wi, std::uint32_t seed, const Use &use) const {
         forEachSource(wi, [&](const Vec3 &local) {
             const auto [single, multiple] = point_.evaluateParts(local, seed);
@@ -49,14 +50,29 @@ class FacetScattering {
     [[nodiscard]] std::optional<BsdfSample> sample(const Vec2 &u, float lobe, std::uint32_t seed = 0) const {
         std::optional<BsdfSample> s = point_.sample(u, lobe, seed);
         if (facet_ == nullptr || !s) return s;
-        const bool up = !s->transmitted;
-        s->wi = facet_->fromLocal(s->wi);
-        if ((s->wi.z > 0) != up) s->wi.z = -s->wi.z;
+        s->wi = facet_->frame.fromLocal(s->wi);
+        const float height = glm::dot(s->wi, facet_->plane);
+        if ((height > 0) == s->transmitted) s->wi -= 2 * height * facet_->plane;
         return s;
     }
 
   private:
-    const Frame *facet_;
+    /// A facet that turns from the viewer is seen as by his mirror image, above it.
+    static Vec3 seenBy(const Frame &facet, const Vec3 &wo) {
+        const Vec3 local = facet.toLocal(wo);
+        return {local.x, local.y, std::fabs(local.z)};
+    }
+    /// use(direction in the facet's frame) for those that leave the mesh along `wi`.
+    template <class Use> void forEachSource(const Vec3 &wi, const Use &use) const {
+        if (facet_ == nullptr) return void(use(wi));
+        const float height = glm::dot(wi, facet_->plane);
+        for (const Vec3 &w : {wi, wi - 2 * height * facet_->plane}) {
+            const Vec3 local = facet_->frame.toLocal(w);
+            if ((local.z > 0) == (height > 0)) use(local);
+        }
+    }
+
+    const TiltedFacet *facet_;
     ScatteringPoint point_;
 };
 

@@ -4,7 +4,6 @@
 /// many at once, surface_test.cpp says what they meet.
 
 #include "taut/base/sobol.h"
-#include "taut/bsdf/tilted_facet.h"
 #include "taut/render/camera_rays.h"
 #include "taut/render/hit_lanes.h"
 #include "taut/render/integrator.h"

@@ -11,7 +11,7 @@ void PathTracer::State::connectLight(int event, Index index, const SurfacePoint 
     if (!(light.pdf > 0)) return;
     const Vec3 wi = point.frame.toLocal(light.direction);
     const float side = glm::dot(light.direction, point.geometricNormal);
-    if ((side > 0) != (wi.z > 0)) return; // shading and geometric normal disagree about the side: no light leaks
+    if (!scattering.mayLeave(wi, side > 0)) return;
     Vec3 contribution(0);
     scattering.forEachPart(wi, walkSeed(path, point, dimensionOf(event, kLightPoint)), [&](const BsdfEval &part) {
         if (!(part.pdf > 0)) return;

@@ -8,10 +8,20 @@ namespace taut {
 
 namespace {
 
-Multiscatter multiscatterAt(const PreparedMaterial &prepared, const MicroTransform &m) {
+/// A facet of a map is seen at any angle: a grazing one loses this many times the average over views that its choice is made by.
+constexpr float kTiltedLoss = 5;
+
+Multiscatter multiscatterAt(const PreparedMaterial &prepared, const MicroTransform &m, bool tilted) {
     const Multiscatter model = multiscatterOf(*prepared.material, prepared.multiscatter.model);
     if (model != Multiscatter::Auto) return model;
-    return chooseMultiscatter(m, !bsdfInfo(prepared.material->type).compensates(), prepared.multiscatter.negligibleLoss);
+    const bool transmits = !bsdfInfo(prepared.material->type).compensates();
+    const float negligible = prepared.multiscatter.negligibleLoss;
+    if (!tilted) return chooseMultiscatter(m, transmits, negligible);
+    // A lean is no more than that much roughness: |M^-1 w| <= (1 + |lean|) / sigma.
+    const float lean = 1 + std::sqrt(m.p * m.p + m.q * m.q);
+    const MicroTransform bound = m.upright() ? m : canonicalTransform(m.a / lean, m.b / lean, m.d / lean);
+    const Multiscatter upright = chooseMultiscatter(bound, transmits, negligible / kTiltedLoss);
+    return upright == Multiscatter::Off || m.upright() ? upright : Multiscatter::Walk;
 }
 
 /// A material's values at a point.
@@ -74,14 +84,14 @@ void setBsdf(const PreparedMaterial &prepared, const SlopePlace &place, SurfaceP
     if (!glossy && !material.slopes.isGiven()) return;
     const RestRoughness rest = glossy ? restRoughness(material, scene, point.uv) : RestRoughness{1, 1, 0};
     const HitFacet facet = roughFacetAt(material, rest, material.slopes, place);
-    point.facet = facet.frame;
     point.tilted = facet.tilted;
+    if (facet.tilted) point.facet = {facet.frame, point.frame.toLocal(point.geometricNormal)};
     if (!glossy) return;
     bsdf.micro = facet.micro;
     if (bsdf.coat > 0) setCoat(material, place, facet, bsdf);
     // As multiscatterOf() has it for a whole material, where a texture says so.
     const bool isPaint = bsdfInfo(material.type).reads(kMetallicKey) && bsdf.metallic == 0 && material.multiscatter == Multiscatter::Auto;
-    bsdf.multiscatter = isPaint ? Multiscatter::Off : multiscatterAt(prepared, bsdf.micro);
+    bsdf.multiscatter = isPaint ? Multiscatter::Off : multiscatterAt(prepared, bsdf.micro, facet.tilted);
 }
 
 /// KHR_materials_volume: of white light the attenuation colour is left after the attenuation distance (Beer's law).

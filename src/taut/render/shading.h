@@ -2,7 +2,7 @@
 /// From a hit to what scatters there: shading frame, M from the interpolated stretch, and the material's parameters.
 
 #include "taut/base/frame.h"
-#include "taut/bsdf/bsdf.h"
+#include "taut/bsdf/tilted_facet.h"
 #include "taut/render/interpolation.h"
 #include "taut/render/render_scene.h"
 
@@ -15,7 +15,7 @@ struct SurfacePoint {
     float clearance = 0;  ///< distance from the surface at which a ray may start, see offsetOrigin()
     Frame frame;          ///< shading frame: a function of the shading normal alone, so that nothing sampled in it depends on how
                           ///< the surface is parametrised; n on the geometric normal's side
-    Frame facet;          ///< in the shading frame, where a map tilts it: that of `bsdf`
+    TiltedFacet facet;    ///< that of `bsdf`, where a map tilts it
     bool tilted = false;  ///< else the facet is the mesh
     Bsdf bsdf;
     UvPoint uv;
