@@ -1,5 +1,7 @@
 #include "taut/render/facet.h"
 
+#include "taut/scene/texture_pyramid.h"
+
 #include "taut/microsurface/mesostructure.h"
 
 namespace taut {
@@ -56,22 +58,21 @@ Vec2 inPointFrame(const Vec2 &slope, const InterpolatedSurface &at) {
     return Vec2(slope.x, slope.y * length) * (across / up);
 }
 
-Vec2 decoded(const SlopeMap &map, const Vec3 &texel, const SlopePlace &place, const TextureSampler &sampler) {
-    switch (map.kind) {
-    case SlopeMap::Kind::Normal: {
-        const Vec3 n = 2.0F * texel - Vec3(1);
-        const Vec2 side(n.x, n.y);
-        const float least = glm::length(side) / kSteepestSlope;
-        return side * (map.scale / std::fmax(std::fmax(n.z, least), 1e-6F));
+/// From slopes as the map's pyramid has them to those in the rest tangent frame, in metres per metre: columns.
+struct SlopeScale {
+    Vec2 x{1, 0}, y{0, 1};
+    [[nodiscard]] Vec2 times(const Vec2 &s) const { return x * s.x + y * s.y; }
+    /// xx, xy, yy of G C G^T.
+    [[nodiscard]] Vec3 times(const Vec3 &c) const {
+        const auto entry = [&](int i, int j) { return x[i] * x[j] * c.x + (x[i] * y[j] + y[i] * x[j]) * c.y + y[i] * y[j] * c.z; };
+        return {entry(0, 0), entry(0, 1), entry(1, 1)};
     }
-    case SlopeMap::Kind::Bump: return Vec2(texel) * map.scale;
-    case SlopeMap::Kind::Height: {
-        const UvMetric g = uvMetric(place.point, sampler);
-        if (!(g.ux > 0 && g.vy > 0)) return Vec2(0);
-        return Vec2(texel.x / g.ux, (texel.y - texel.x * g.vx / g.ux) / g.vy) * map.scale;
-    }
-    }
-    return Vec2(0);
+};
+SlopeScale scaleOf(const SlopeMap &map, const SurfacePoint &point, const TextureSampler &sampler) {
+    if (map.kind != SlopeMap::Kind::Height) return {{map.scale, 0}, {0, map.scale}};
+    const UvMetric g = uvMetric(point, sampler);
+    if (!(g.ux > 0 && g.vy > 0)) return {Vec2(0), Vec2(0)};
+    return {Vec2(1, -g.vx / g.vy) * (map.scale / g.ux), {0, map.scale / g.vy}};
 }
 
 /// From the rest frame to the shading frame where nothing is stretched.
@@ -86,9 +87,23 @@ DMat3 turnOf(const SurfacePoint &point, float sense) {
 SlopeStatistics slopesAt(const SlopeMap &map, const SlopePlace &place) {
     if (!map.isGiven()) return {};
     const Texture &texture = place.scene.textures[map.texture];
-    const Vec3 texel(lookup(texture, place.point.uv));
-    const Vec2 slope = inPointFrame(decoded(map, texel, place, texture.sampler), place.at);
-    return {held(slope) * place.point.facing, Vec3(0)};
+    const UvPoint &uv = place.point.uv;
+    const int set = texture.sampler.uvSet;
+    const SlopeScale scale = scaleOf(map, place.point, texture.sampler);
+    const UvFootprint &footprint = uv.footprintOf(set);
+    SlopeStatistics slopes;
+    if (texture.slopes && footprint.isGiven() && texture.slopes->levelOf(texture.sampler, footprint) > 0) {
+        const TexturePyramid::Values m = texture.slopes->mean(texture.sampler, uv.set(set), footprint);
+        const Vec3 covariance(m[2] - m[0] * m[0], m[3] - m[0] * m[1], m[4] - m[1] * m[1]);
+        slopes = {scale.times(Vec2(m[0], m[1])), scale.times(covariance)};
+        slopes.covariance.x = std::fmax(slopes.covariance.x, 0.0F);
+        slopes.covariance.z = std::fmax(slopes.covariance.z, 0.0F);
+    } else {
+        const Vec3 texel(lookup(texture, uv.set(set)));
+        slopes.mean = scale.times(map.kind == SlopeMap::Kind::Normal ? slopeOfNormal(texel) : Vec2(texel));
+    }
+    slopes.mean = held(inPointFrame(slopes.mean, place.at)) * place.point.facing;
+    return slopes;
 }
 
 DMat3 deformationOf(const Material &material, const SurfacePoint &point, float sense) {

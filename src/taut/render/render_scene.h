@@ -88,6 +88,7 @@ class RenderScene {
   private:
     void askForSurfaces();
     void askForStrains();
+    void addPyramids(Index material);
     void moveCamera(double frame, const DMat4 &renderFromWorld);
 
     Index addInstance(const RenderObject &object);

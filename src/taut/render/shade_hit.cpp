@@ -26,7 +26,8 @@ void PathTracer::State::connectLight(int event, Index index, const SurfacePoint 
 
 void PathTracer::State::shade(int event, Index index, const Ray &ray, const Hit &hit, const std::vector<Aov> &wanted, int aovChannels) {
     Path &path = paths[index];
-    const SurfacePoint point = surfacePointAt(scene, materials, hit, -ray.direction, path.time);
+    const float coneWidth = hasCones ? path.cone.widthAt(hit.t) : 0.0F;
+    const SurfacePoint point = surfacePointAt(scene, materials, hit, -ray.direction, path.time, coneWidth);
     if (path.scatterPdf == 0) {
         path.alpha = 1;
         path.hasAovs = true;
@@ -60,6 +61,7 @@ void PathTracer::State::shade(int event, Index index, const Ray &ray, const Hit 
     path.throughput *= sampled->weight;
     path.etaScale *= sampled->etaScale;
     path.scatterPdf = sampled->pdf;
+    if (hasCones) path.cone.scatter(hit.t, bsdfInfo(point.bsdf.type).microsurface ? 1 / std::sqrt(point.bsdf.micro.det) : 1.0F);
     if (sampled->transmitted && point.bsdf.refracts) path.extinction = point.extinction; // none beyond a back face
     const float chance = chanceToGoOn(path.throughput, path.etaScale);
     if (!(random1(path, dimensionOf(event, kRoulette)) < chance)) return;

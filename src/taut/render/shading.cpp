@@ -2,6 +2,7 @@
 
 #include "taut/microsurface/roughening.h"
 #include "taut/render/facet.h"
+#include "taut/render/ray_cone.h"
 #include "taut/scene/material_gloss.h"
 
 namespace taut {
@@ -134,7 +135,8 @@ std::vector<PreparedMaterial> prepareMaterials(const Scene &scene, const ScenePl
     for (Index i = 0; i < std::max<std::size_t>(scene.materials.size(), 1); ++i) {
         const Material &material = scene.materialAt(i);
         prepared.push_back({&material, coatEscape(material.ior), i < plan.materials.size() ? plan.materials[i] : MultiscatterPlan{},
-                            plan.bearableWaste, extinctionOf(material)});
+                            plan.bearableWaste, extinctionOf(material),
+                            i < plan.details.size() && plan.details[i].detail == TextureDetail::Moments});
     }
     return prepared;
 }
@@ -167,7 +169,7 @@ Bsdf bsdfOf(const PreparedMaterial &prepared, const MaterialValues &values, floa
 }
 
 SurfacePoint surfacePointAt(const RenderScene &scene, const std::vector<PreparedMaterial> &materials, const Hit &hit, const Vec3 &wo,
-                            float time) {
+                            float time, float coneWidth) {
     SurfacePoint point;
     const RenderObject &object = scene.objects()[scene.objectOfGeometry(hit.geometry)];
     const Surface &surface = object.surface;
@@ -192,6 +194,15 @@ SurfacePoint surfacePointAt(const RenderScene &scene, const std::vector<Prepared
     if (!surface.colors.empty()) point.color = interpolated(surface.colors);
 
     const PreparedMaterial &material = materials[materialOfTriangle(object, hit.primitive)];
+    if (material.filters && coneWidth > 0) {
+        const bool mirrored = object.isMirrored(hit.primitive);
+        const auto footprint = [&](const std::vector<Vec2> &uvs) {
+            if (uvs.empty()) return UvFootprint{};
+            return footprintOf(at, wo, coneWidth, {uvs[t.x], uvs[mirrored ? t.z : t.y], uvs[mirrored ? t.y : t.z]});
+        };
+        point.uv.footprint = footprint(surface.uvs);
+        point.uv.secondFootprint = footprint(surface.uvs1);
+    }
     point.baseColor = evaluateShare(material.material->color, scene.scene(), point.uv);
     if (material.material->vertexColors) point.baseColor *= Vec3(point.color);
     setBsdf(material, {scene.scene(), point, at, geometry.sense}, point);

@@ -42,6 +42,7 @@ struct PreparedMaterial {
     MultiscatterPlan multiscatter;
     float bearableWaste = kBearableWaste; ///< the plan's
     Vec3 extinction{0};                   ///< of its volume
+    bool filters = false;                 ///< textures are looked up over footprints
 };
 /// At least one, for objects without a material.
 std::vector<PreparedMaterial> prepareMaterials(const Scene &scene, const ScenePlan &plan);
@@ -53,9 +54,10 @@ MaterialValues valuesOf(const PreparedMaterial &prepared, const Vec3 &color);
 /// facets are the caller's.
 Bsdf bsdfOf(const PreparedMaterial &prepared, const MaterialValues &values, float facing);
 
-/// Fills the point for a hit at a time in the shutter. `wo` is the unit direction back along the ray.
+/// Fills the point for a hit at a time in the shutter. `wo` is the unit direction back along the ray, `coneWidth` what a pixel sees there
+/// (ray_cone.h), in units of length across the ray; 0: a point.
 SurfacePoint surfacePointAt(const RenderScene &scene, const std::vector<PreparedMaterial> &materials, const Hit &hit, const Vec3 &wo,
-                            float time = 0);
+                            float time = 0, float coneWidth = 0);
 
 /// The point moved off the surface, to the viewer's side or the other, far enough that a ray from there does not meet it again.
 inline Vec3 offsetOrigin(const SurfacePoint &point, bool viewersSide) {

@@ -152,6 +152,8 @@ void readSlopes(LoadContext &context, TableReader &table, Material &material) {
     table.read("normal", material.slopes, map(SlopeMap::Kind::Normal));
     table.read("bump", material.slopes, map(SlopeMap::Kind::Bump));
     table.read("height", material.slopes, map(SlopeMap::Kind::Height));
+    table.read("detail", material.detail,
+               oneOf<TextureDetail>({{"auto", TextureDetail::Auto}, {"map", TextureDetail::Map}, {"moments", TextureDetail::Moments}}));
     table.read("facets", material.facets, oneOf<FacetModel>({{"lean", FacetModel::Leans}, {"bend", FacetModel::Bends}}));
 }
 
@@ -250,6 +252,7 @@ Material loadMaterial(LoadContext &context, const std::string &name, const TomlV
                        "normal",
                        "bump",
                        "height",
+                       "detail",
                        "facets",
                        "roughening",
                        "yield",

@@ -36,6 +36,10 @@ struct SlopeMap {
     [[nodiscard]] bool isGiven() const { return texture != kNone; }
 };
 
+/// How a material's textures are looked up. Map: at the point. Moments: over what a pixel sees, slopes by their mean and covariance
+/// (microsurface/mesostructure.h). Auto: a plan's choice for maps of slopes, the map where nobody plans.
+enum class TextureDetail : std::uint8_t { Map, Moments, Auto };
+
 /// What a mapped facet does under a deformation. Leans: its micro-geometry is carried along (microsurface/mesostructure.h). Bends: what
 /// most renderers do, for comparison: its normal turns, and the gloss is that of the mesh.
 enum class FacetModel { Leans, Bends };
@@ -65,6 +69,7 @@ struct Material {
     SlopeMap slopes;     ///< of all kinds
     SlopeMap coatSlopes; ///< metallic-roughness: of the clear coat, which follows no other
     FacetModel facets = FacetModel::Leans;
+    TextureDetail detail = TextureDetail::Auto;
     float roughening = 0; ///< alpha per unit of equivalent strain beyond `yield` (microsurface/roughening.h)
     float yield = 0;      ///< strain
 
@@ -92,6 +97,14 @@ struct Material {
     float iridescenceMax = 400;            ///< and where it is 1
     FloatParam thickness{1};               ///< of the film, from min to max; a file without its texture means the maximum
 };
+
+/// use(index of a texture) for those of a material's colours and numbers, not its slopes.
+template <class Use> void forEachTexture(const Material &material, const Use &use) {
+    const auto ask = [&](const auto &...params) { ((params.texture != kNone ? use(params.texture) : void()), ...); };
+    ask(material.color, material.alphaX, material.alphaY, material.rotation, material.metallic, material.opacity, material.specular,
+        material.specularColor, material.transmission, material.clearcoat, material.clearcoatRoughness, material.sheenColor,
+        material.sheenRoughness, material.iridescence, material.thickness);
+}
 
 /// Whether rays may pass the surface as if there were none.
 inline bool mayBeAbsent(const Material &material) {

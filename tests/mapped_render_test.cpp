@@ -1,0 +1,249 @@
+/// Pictures of mapped surfaces: the furnace, motions that change nothing, and a million real facets beside the map.
+
+#include "render_fixtures.h"
+
+#include <catch2/catch.hpp>
+
+#include <iostream>
+
+using namespace taut;
+using namespace taut::test;
+
+namespace {
+
+/// A normal map of n x n texels with slopes steep * (sin, sin) of `waves` waves.
+Texture waveNormals(int n, int waves, float steep) {
+    std::vector<float> texels;
+    const auto angle = [&](int i) { return 2 * kPi * static_cast<float>(waves) * (static_cast<float>(i) + 0.5F) / static_cast<float>(n); };
+    for (int row = 0; row < n; ++row)
+        for (int column = 0; column < n; ++column) {
+            const float u = angle(column);
+            const float v = angle(n - 1 - row);
+            // h = -steep / k sin u sin v, s = -grad h
+            const Vec3 normal = glm::normalize(Vec3(steep * std::cos(u) * std::sin(v), steep * std::sin(u) * std::cos(v), 1));
+            for (int c = 0; c < 3; ++c) texels.push_back(0.5F * normal[c] + 0.5F);
+        }
+    Texture texture;
+    texture.name = "waves";
+    texture.width = texture.height = n;
+    texture.texels = std::move(texels);
+    return texture;
+}
+
+Material mappedMaterial(float alphaX, float alphaY) {
+    Material material = ggxMaterial(alphaX, alphaY);
+    material.slopes = {SlopeMap::Kind::Normal, 0, 1};
+    return material;
+}
+
+double meanOf(const std::vector<float> &values) {
+    double sum = 0;
+    for (const float v : values) sum += static_cast<double>(v);
+    return sum / static_cast<double>(values.size());
+}
+
+/// Of the first `count` of `stride` channels.
+double relativeError(const std::vector<float> &image, const std::vector<float> &reference) {
+    double error = 0;
+    double power = 0;
+    for (std::size_t i = 0; i < image.size(); ++i) {
+        if (i % 4 == 3) continue;
+        error += sqr(static_cast<double>(image[i]) - static_cast<double>(reference[i]));
+        power += sqr(static_cast<double>(reference[i]));
+    }
+    return error / power;
+}
+
+/// A mapped white mirror of a sphere that fills the picture.
+Scene furnace(Multiscatter treatment, float alpha) {
+    Scene scene;
+    Object sphere = makeObject(makeSphere(96, 48, 1));
+    sphere.mapTangents = true;
+    Material material = mappedMaterial(alpha, alpha);
+    material.multiscatter = treatment;
+    scene.materials = {material};
+    scene.textures = {waveNormals(256, 8, 1)};
+    scene.objects = {sphere};
+    scene.environment = constantEnvironment(Vec3(1));
+    scene.render.width = scene.render.height = 64;
+    scene.render.boxFilter = true;
+    scene.render.maxEvents = 1;
+    scene.camera.position = DVec3(0, -3, 0);
+    scene.camera.orthoHeight = 1.4; // every pixel is on the sphere
+    return scene;
+}
+
+/// Seen from above under the studio's lights: the plate [-1, 1]^2.
+Scene plateScene(Object plate, const Material &material, int size = 96) {
+    Scene scene;
+    scene.materials = {material};
+    scene.objects = {std::move(plate)};
+    scene.environment = studioEnvironment();
+    scene.render.width = scene.render.height = size;
+    scene.render.boxFilter = true;
+    scene.render.maxEvents = 1;
+    scene.camera.position = DVec3(0, 0, 4);
+    scene.camera.up = DVec3(0, 1, 0);
+    scene.camera.orthoHeight = 1.2;
+    return scene;
+}
+
+constexpr int kWaves = 4;
+constexpr float kSteep = 0.35F;
+
+/// The relief that waveNormals() is of, over [-1, 1]^2 with u = (x + 1) / 2, as `n` x `n` quads.
+Mesh reliefMesh(int n) {
+    Mesh mesh = makeGrid(n, n, 2);
+    const float k = kPi * static_cast<float>(kWaves);
+    for (Vec3 &p : mesh.positions) p.z = -kSteep / k * std::sin(k * (p.x + 1)) * std::sin(k * (p.y + 1));
+    mesh.normals.clear();
+    mesh.cornerNormals.clear();
+    mesh.name = "relief";
+    return mesh;
+}
+
+/// Both carry the space above them along.
+Object deformed(Mesh mesh, const std::vector<DeformerKeys> &deformers) {
+    Object object = makeObject(std::move(mesh));
+    object.deformers = deformers;
+    object.lean = !deformers.empty();
+    object.mapTangents = true;
+    return object;
+}
+
+} // namespace
+
+TEST_CASE("A mapped white mirror in a furnace reflects nearly all of the light, and never more", "[mapped_render]") {
+    for (const Multiscatter treatment : {Multiscatter::Walk, Multiscatter::Compensation, Multiscatter::Auto})
+        for (const float alpha : {0.1F, 0.4F}) {
+            const std::vector<float> image = renderImage(furnace(treatment, alpha), 1, 256);
+            double sum = 0;
+            float least = 1;
+            float greatest = 0;
+            for (std::size_t i = 0; i < image.size(); i += 4) {
+                sum += static_cast<double>(image[i]);
+                least = std::min(least, image[i]);
+                greatest = std::max(greatest, image[i]);
+            }
+            const double mean = sum / (static_cast<double>(image.size()) / 4);
+            INFO("treatment " << static_cast<int>(treatment) << ", alpha " << alpha);
+            CHECK(mean >= 0.97);
+            CHECK(mean <= 1.0005);
+            if (treatment == Multiscatter::Walk) {
+                CHECK(least > 0.9999F);
+                CHECK(greatest < 1.0001F);
+            }
+            CHECK(least > 0.8F); // no black pixel: what is missing is noise of the compensation
+        }
+}
+
+TEST_CASE("A mapped surface of any kind reflects no more than comes", "[mapped_render]") {
+    for (const BsdfType type :
+         {BsdfType::Diffuse, BsdfType::Coated, BsdfType::MetallicRoughness, BsdfType::Dielectric, BsdfType::ThinGlass}) {
+        Scene scene = furnace(Multiscatter::Auto, 0.2F);
+        scene.materials[0].type = type;
+        scene.materials[0].clearcoat.value = 0.5F;
+        scene.materials[0].transmission.value = type == BsdfType::MetallicRoughness ? 0.3F : 0.0F;
+        scene.render.maxEvents = bsdfInfo(type).transmits ? 64 : 1;
+        const std::vector<float> image = renderImage(scene, 1, 64);
+        double sum = 0;
+        float least = 1;
+        for (std::size_t i = 0; i < image.size(); i += 4) {
+            sum += static_cast<double>(image[i]);
+            least = std::min(least, image[i]);
+        }
+        INFO("type " << bsdfInfo(type).name);
+        CHECK(sum / (static_cast<double>(image.size()) / 4) <= 1.002);
+        CHECK(sum / (static_cast<double>(image.size()) / 4) > 0.85);
+        CHECK(least > 0.4F);
+    }
+}
+
+TEST_CASE("Uniform scaling changes nothing of a mapped surface where the normal stretches along", "[mapped_render]") {
+    const auto picture = [](float scale) {
+        Object torus = makeObject(makeTorus(64, 32, 0.7F, 0.25F));
+        torus.mapTangents = true;
+        if (scale != 1) torus.deformers = {stretchDeformer(DVec3(scale))};
+        Material material = mappedMaterial(0.1F, 0.3F);
+        material.poisson = -1;
+        Scene scene = smallScene(torus, material);
+        scene.lights.clear();
+        scene.environment = studioEnvironment();
+        scene.textures = {waveNormals(128, 8, 0.6F)};
+        scene.camera.position = DVec3(0.3, -2.2, 1.9) * static_cast<double>(scale);
+        return renderImage(scene, 1, 16);
+    };
+    CHECK(shareOver(picture(1), picture(2), 2e-3F) < 5e-3); // the rounding of a direction may change what a ray meets
+}
+
+TEST_CASE("A rigid motion changes nothing of a mapped surface", "[mapped_render]") {
+    const auto picture = [](double turn) {
+        Object torus = makeObject(makeTorus(64, 32, 0.7F, 0.25F));
+        torus.mapTangents = true;
+        torus.placement.rotation.keys = {{1, DVec3(0)}, {3, DVec3(0, 0, turn)}};
+        Scene scene = smallScene(torus, mappedMaterial(0.1F, 0.3F));
+        scene.textures = {waveNormals(128, 8, 0.6F)};
+        const auto turned = [&](const DVec3 &v) {
+            return DVec3(std::cos(turn) * v.x - std::sin(turn) * v.y, std::sin(turn) * v.x + std::cos(turn) * v.y, v.z);
+        };
+        scene.camera.position = turned(DVec3(0.3, -2.2, 1.9));
+        scene.lights = {{Vec3(6, 5, 4), QuadLight{turned(DVec3(-1.5, 1, 1.5)), turned(DVec3(0, 0, 1)), turned(DVec3(1.5, 0, 0)), true}}};
+        return renderImage(scene, 3, 16);
+    };
+    CHECK(shareOver(picture(0), picture(0.7), 2e-3F) < 5e-3);
+}
+
+TEST_CASE("Roughening of 0 leaves the bits, and a strain beyond the yield roughens", "[mapped_render]") {
+    Object plate = deformed(makeGrid(8, 8, 2), {stretchDeformer(DVec3(1.5, 1, 1))});
+    plate.lean = false;
+    const auto picture = [&](float roughening, float yield, bool lean) {
+        Object object = plate;
+        object.lean = lean;
+        Material material = ggxMaterial(0.1F, 0.1F);
+        material.roughening = roughening;
+        material.yield = yield;
+        return renderImage(plateScene(object, material, 16), 1, 4, {"alpha"});
+    };
+    CHECK(picture(0, 0, false) == picture(0, 0.3F, false));
+    CHECK(picture(0.5F, 2, false)[4] == Approx(0.1F)); // beyond what it is strained: geometry alone
+    // A = diag(1.5, 1): e1 = ln 1.5, e2 = 0, eps = 2/sqrt(3) ln 1.5; alpha along x is 0.1 / 1.5.
+    const double added = 0.5 * (2 / std::sqrt(3.0) * std::log(1.5) - 0.1);
+    for (const bool lean : {false, true}) {
+        const std::vector<float> image = picture(0.5F, 0.1F, lean);
+        CHECK(image[4] == Approx(std::sqrt(0.01 + added * added)).epsilon(1e-5));
+        CHECK(image[5] == Approx(std::sqrt(0.01 / 2.25 + added * added)).epsilon(1e-5));
+    }
+}
+
+TEST_CASE("A million real facets under stretch and shear look as the map does, and not as bent normals", "[mapped_render]") {
+    const Mesh relief = reliefMesh(724);
+    REQUIRE(relief.faceCount() * 2 > 1000000);
+    const std::vector<std::vector<DeformerKeys>> motions{
+        {},
+        {stretchDeformer(DVec3(1.8, 0.8, 1))},
+        {shearDeformer(0.9)},
+        {stretchDeformer(DVec3(1.5, 1, 0.7)), shearDeformer(-0.6), shearDeformer(0.25, 0, 2)},
+    };
+    constexpr int kSpp = 1024;
+    for (std::size_t i = 0; i < motions.size(); ++i) {
+        const auto real = [&](std::uint32_t seed) {
+            return renderImage(plateScene(deformed(relief, motions[i]), ggxMaterial(0.08F, 0.16F)), 1, kSpp, {}, seed);
+        };
+        const auto mapped = [&](FacetModel model) {
+            Material material = mappedMaterial(0.08F, 0.16F);
+            material.facets = model;
+            Scene scene = plateScene(deformed(makeGrid(16, 16, 2), motions[i]), material);
+            scene.textures = {waveNormals(1024, kWaves, kSteep)};
+            return renderImage(scene, 1, kSpp, {}, 3);
+        };
+        const std::vector<float> truth = real(1);
+        const double noise = relativeError(real(2), truth);
+        const double leans = relativeError(mapped(FacetModel::Leans), truth);
+        const double bends = relativeError(mapped(FacetModel::Bends), truth);
+        std::cout << "motion " << i << ": noise " << noise << ", map " << leans << ", bent normal " << bends << std::endl;
+        INFO("motion " << i);
+        CHECK(meanOf(truth) > 0.01);
+        CHECK(leans < 1.25 * noise + 1e-5);
+        if (i > 0) CHECK(bends > 5 * leans);
+    }
+}
