@@ -10,8 +10,9 @@ namespace taut {
 
 namespace {
 
-/// Total variation of lobes to relative RMS of an image, for the smoothing that any light does: as multiscatter_question.cpp has it.
-constexpr float kFitToImage = 0.35F;
+/// Total variation of lobes to relative RMS of an image: reliefs of a million facets under the studio's lights came out at 1.8 and 2.0 times
+/// it for sigma / alpha of 1/3 and 1/2; at 1, where the tails of lobes lit a dark part, at 4.
+constexpr float kFitToImage = 2;
 
 /// Metres of a mesh's surface at rest for a unit of u or v, by area; 0 without UVs.
 double metresPerUv(const Object &object) {

@@ -1,7 +1,7 @@
 #pragma once
 /// Whether a map of slopes is looked up as it is or by its moments over each pixel's footprint.
 ///
-/// Moments turn GGX convolved with the map's slopes into GGX again. What that fit is off by in total variation is known (DetailError), and
+/// Moments turn GGX convolved with the map's slopes into GGX again. What that fit is off by in total variation is known (momentsFitError), and
 /// the slopes that a pixel of the scene's camera sees are known from the map's pyramid. Beside it stands what the map itself costs: the
 /// samples that average it.
 
