@@ -2,6 +2,8 @@
 
 #include "render_fixtures.h"
 
+#include "study/scenes/relief.h"
+
 #include "taut/microsurface/mesostructure.h"
 #include "taut/microsurface/random_walk.h"
 
@@ -13,27 +15,9 @@
 
 using namespace taut;
 using namespace taut::test;
+using namespace taut::chart;
 
 namespace {
-
-/// A normal map of n x n texels with slopes steep * (sin, sin) of `waves` waves.
-Texture waveNormals(int n, int waves, float steep) {
-    std::vector<float> texels;
-    const auto angle = [&](int i) { return 2 * kPi * static_cast<float>(waves) * (static_cast<float>(i) + 0.5F) / static_cast<float>(n); };
-    for (int row = 0; row < n; ++row)
-        for (int column = 0; column < n; ++column) {
-            const float u = angle(column);
-            const float v = angle(n - 1 - row);
-            // h = -steep / k sin u sin v, s = -grad h
-            const Vec3 normal = glm::normalize(Vec3(steep * std::cos(u) * std::sin(v), steep * std::sin(u) * std::cos(v), 1));
-            for (int c = 0; c < 3; ++c) texels.push_back(0.5F * normal[c] + 0.5F);
-        }
-    Texture texture;
-    texture.name = "waves";
-    texture.width = texture.height = n;
-    texture.texels = std::move(texels);
-    return texture;
-}
 
 Material mappedMaterial(float alphaX, float alphaY) {
     Material material = ggxMaterial(alphaX, alphaY);
@@ -67,7 +51,7 @@ Scene furnace(Multiscatter treatment, float alpha) {
     Material material = mappedMaterial(alpha, alpha);
     material.multiscatter = treatment;
     scene.materials = {material};
-    scene.textures = {waveNormals(256, 8, 1)};
+    scene.textures = {reliefNormals({8, 1}, 256)};
     scene.objects = {sphere};
     scene.environment = constantEnvironment(Vec3(1));
     scene.render.width = scene.render.height = 64;
@@ -76,45 +60,6 @@ Scene furnace(Multiscatter treatment, float alpha) {
     scene.camera.position = DVec3(0, -3, 0);
     scene.camera.orthoHeight = 1.4; // every pixel is on the sphere
     return scene;
-}
-
-/// Seen from above under the studio's lights: the plate [-1, 1]^2.
-Scene plateScene(Object plate, const Material &material, int size = 96) {
-    Scene scene;
-    scene.materials = {material};
-    scene.objects = {std::move(plate)};
-    scene.environment = studioEnvironment();
-    scene.render.width = scene.render.height = size;
-    scene.render.boxFilter = true;
-    scene.render.maxEvents = 1; // no facet lights another
-    scene.materials[0].multiscatter = Multiscatter::Off;
-    scene.camera.position = DVec3(0, 0, 4);
-    scene.camera.up = DVec3(0, 1, 0);
-    scene.camera.orthoHeight = 1.2;
-    return scene;
-}
-
-constexpr int kWaves = 4;
-constexpr float kSteep = 0.25F;
-
-/// The relief that waveNormals() is of, over [-1, 1]^2 with u = (x + 1) / 2, as `n` x `n` quads.
-Mesh reliefMesh(int n) {
-    Mesh mesh = makeGrid(n, n, 2);
-    const float k = kPi * static_cast<float>(kWaves);
-    for (Vec3 &p : mesh.positions) p.z = -kSteep / k * std::sin(k * (p.x + 1)) * std::sin(k * (p.y + 1));
-    mesh.normals.clear();
-    mesh.cornerNormals.clear();
-    mesh.name = "relief";
-    return mesh;
-}
-
-/// Both carry the space above them along.
-Object deformed(Mesh mesh, const std::vector<DeformerKeys> &deformers) {
-    Object object = makeObject(std::move(mesh));
-    object.deformers = deformers;
-    object.lean = !deformers.empty();
-    object.mapTangents = true;
-    return object;
 }
 
 } // namespace
@@ -175,7 +120,7 @@ TEST_CASE("Uniform scaling changes nothing of a mapped surface where the normal 
         Scene scene = smallScene(torus, material);
         scene.lights.clear();
         scene.environment = studioEnvironment();
-        scene.textures = {waveNormals(128, 8, 0.6F)};
+        scene.textures = {reliefNormals({8, 0.6F}, 128)};
         scene.camera.position = DVec3(0.3, -2.2, 1.9) * static_cast<double>(scale);
         return renderImage(scene, 1, 16);
     };
@@ -188,7 +133,7 @@ TEST_CASE("A rigid motion changes nothing of a mapped surface", "[mapped_render]
         torus.mapTangents = true;
         torus.placement.rotation.keys = {{1, DVec3(0)}, {3, DVec3(0, 0, turn)}};
         Scene scene = smallScene(torus, mappedMaterial(0.1F, 0.3F));
-        scene.textures = {waveNormals(128, 8, 0.6F)};
+        scene.textures = {reliefNormals({8, 0.6F}, 128)};
         const auto turned = [&](const DVec3 &v) {
             return DVec3(std::cos(turn) * v.x - std::sin(turn) * v.y, std::sin(turn) * v.x + std::cos(turn) * v.y, v.z);
         };
@@ -200,15 +145,12 @@ TEST_CASE("A rigid motion changes nothing of a mapped surface", "[mapped_render]
 }
 
 TEST_CASE("Roughening of 0 leaves the bits, and a strain beyond the yield roughens", "[mapped_render]") {
-    Object plate = deformed(makeGrid(8, 8, 2), {stretchDeformer(DVec3(1.5, 1, 1))});
-    plate.lean = false;
     const auto picture = [&](float roughening, float yield, bool lean) {
-        Object object = plate;
-        object.lean = lean;
-        Material material = ggxMaterial(0.1F, 0.1F);
-        material.roughening = roughening;
-        material.yield = yield;
-        return renderImage(plateScene(object, material, 16), 1, 4, {"alpha"});
+        Scene scene = reliefScene(makeGrid(8, 8, 2), {stretchDeformer(DVec3(1.5, 1, 1))}, 0.1F, 16);
+        scene.objects[0].lean = lean;
+        scene.materials[0].roughening = roughening;
+        scene.materials[0].yield = yield;
+        return renderImage(scene, 1, 4, {"alpha"});
     };
     CHECK(picture(0, 0, false) == picture(0, 0.3F, false));
     CHECK(picture(0.5F, 2, false)[4] == Approx(0.1F)); // beyond what it is strained: geometry alone
@@ -222,7 +164,8 @@ TEST_CASE("Roughening of 0 leaves the bits, and a strain beyond the yield roughe
 }
 
 TEST_CASE("A million real facets under stretch and shear look as the map does, and not as bent normals", "[mapped_render]") {
-    const Mesh relief = reliefMesh(724);
+    const Relief waves;
+    const Mesh relief = reliefMesh(waves, 724);
     REQUIRE(relief.faceCount() * 2 > 1000000);
     const std::vector<std::vector<DeformerKeys>> motions{
         {},
@@ -235,14 +178,10 @@ TEST_CASE("A million real facets under stretch and shear look as the map does, a
     constexpr float kAlpha = 0.2F;
     double beyondNoise[2] = {0, 0}; // of the map, of the bent normal
     for (std::size_t i = 0; i < motions.size(); ++i) {
-        const auto real = [&](std::uint32_t seed) {
-            return renderImage(plateScene(deformed(relief, motions[i]), ggxMaterial(kAlpha, kAlpha)), 1, kSpp, {}, seed);
-        };
+        const auto real = [&](std::uint32_t seed) { return renderImage(reliefScene(relief, motions[i], kAlpha, 96), 1, kSpp, {}, seed); };
         const auto mapped = [&](FacetModel model) {
-            Material material = mappedMaterial(kAlpha, kAlpha);
-            material.facets = model;
-            Scene scene = plateScene(deformed(makeGrid(16, 16, 2), motions[i]), material);
-            scene.textures = {waveNormals(1024, kWaves, kSteep)};
+            Scene scene = mappedReliefScene(waves, motions[i], kAlpha, 96);
+            scene.materials[0].facets = model;
             return renderImage(scene, 1, kSpp, {}, 3);
         };
         const std::vector<float> truth = real(1);
@@ -353,10 +292,8 @@ TEST_CASE("Moments of a million facets give their micro-normals within the fit's
 TEST_CASE("Moments at a sample a pixel are nearer to the far picture than the map at as many", "[mapped_render]") {
     constexpr float kAlpha = 0.3F;
     const auto picture = [&](TextureDetail detail, int spp, std::uint32_t seed) {
-        Material material = mappedMaterial(kAlpha, kAlpha);
-        material.detail = detail;
-        Scene scene = plateScene(deformed(makeGrid(16, 16, 2), {stretchDeformer(DVec3(1.8, 0.8, 1))}), material, 32);
-        scene.textures = {waveNormals(1024, 64, kSteep)};
+        Scene scene = mappedReliefScene({64, 0.25F}, {stretchDeformer(DVec3(1.8, 0.8, 1))}, kAlpha, 32);
+        scene.materials[0].detail = detail;
         return renderImage(scene, 1, spp, {}, seed);
     };
     const std::vector<float> truth = picture(TextureDetail::Map, 4096, 1);
