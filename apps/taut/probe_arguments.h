@@ -44,7 +44,7 @@ void addScatteringArguments(CLI::App &command, ProbeArguments &arguments, std::u
 /// The transform that --m or --alpha, --slope and --deform name, in the frame of its normal. Throws InputError where there is none, or not
 /// one alone.
 GeneralTransform surfaceOf(const ProbeArguments &arguments);
-/// The same where the normal must be z.
+/// For what counts normals about z: throws InputError where the surface is tilted.
 MicroTransform microsurfaceOf(const ProbeArguments &arguments);
 /// A reflector of Schlick's reflectance on that microsurface. Throws InputError.
 Bsdf bsdfOf(const ProbeArguments &arguments, const MicroTransform &micro);

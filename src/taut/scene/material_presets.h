@@ -8,7 +8,7 @@
 
 namespace taut {
 
-/// What of a preset is geometry, what is measured and what is a choice, stands beside each (docs/scene.md, "Presets").
+/// What of a preset is geometry, what is measured and what is a choice, stands beside each (docs/scene.md, "Presets, and what metal does").
 struct MaterialPreset {
     std::string_view name;
     Material material;
