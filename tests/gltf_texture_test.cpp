@@ -270,6 +270,7 @@ TEST_CASE("the extensions of a material arrive in it", "[gltf]") {
         {"KHR_materials_emissive_strength", {{"emissiveStrength", 10}}},
         {"KHR_materials_unlit", nlohmann::json::object()}};
     b.json["materials"][0]["emissiveFactor"] = {0.5, 0, 0};
+    b.json["materials"][0]["normalTexture"] = {{"index", 0}, {"scale", 0.25}};
     const std::string path = writeTo(folder, "extensions.gltf", b.gltf());
     const Scene scene = loadFile(path);
     const Material &m = scene.materials.at(0);
@@ -291,7 +292,10 @@ TEST_CASE("the extensions of a material arrive in it", "[gltf]") {
     CHECK(scene.objects.at(0).emission.value == Vec3(5, 0, 0));
     CHECK(m.coatSlopes.isGiven());
     CHECK(m.coatSlopes.scale == 0.5F);
-    CHECK(!m.slopes.isGiven());
+    CHECK(m.slopes.isGiven());
+    CHECK(m.slopes.kind == SlopeMap::Kind::Normal);
+    CHECK(m.slopes.scale == 0.25F);
+    CHECK(scene.objects.at(0).mapTangents);
 }
 
 TEST_CASE("emission that lights nothing keeps the studio, a lamp turns it off", "[gltf]") {

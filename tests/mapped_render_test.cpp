@@ -4,6 +4,7 @@
 
 #include "study/scenes/relief.h"
 
+#include "taut/export/gloss_export.h"
 #include "taut/microsurface/mesostructure.h"
 #include "taut/microsurface/random_walk.h"
 
@@ -303,4 +304,78 @@ TEST_CASE("Moments at a sample a pixel are nearer to the far picture than the ma
     std::cout << "far, 4 samples: map " << map << ", moments " << moments << ", their fit alone " << fit << std::endl;
     CHECK(moments < map);
     CHECK(std::sqrt(fit) < 0.15);
+}
+
+namespace {
+
+/// A map of one texel: slopes (0.3, 0.1) everywhere.
+Texture constantNormals() {
+    const Vec3 n = 0.5F * glm::normalize(Vec3(0.3F, 0.1F, 1)) + Vec3(0.5F);
+    Texture texture;
+    texture.name = "constant";
+    texture.texels = {n.x, n.y, n.z};
+    return texture;
+}
+
+/// The slope of the facet that the camera sees in the middle of a plate.
+Vec2 seenSlope(Object plate, bool fromBelow = false, double shutter = 0) {
+    Scene scene = reliefScene(makeGrid(4, 4, 2), {}, 0.1F, 8);
+    plate.materials = {0};
+    scene.objects = {std::move(plate)};
+    scene.textures = {constantNormals()};
+    scene.materials[0].slopes = {SlopeMap::Kind::Normal, 0, 1};
+    scene.render.shutter = shutter;
+    if (fromBelow) scene.camera.position = DVec3(0, 0, -4);
+    const std::vector<float> image = renderImage(scene, 1, 4, {"facet_normal"});
+    const float *middle = &image[(4 * 8 + 4) * 7];
+    return Vec2(middle[4], middle[5]) / middle[6];
+}
+
+Object plainPlate() {
+    Object plate = makeObject(makeGrid(4, 4, 2));
+    plate.mapTangents = true;
+    return plate;
+}
+
+} // namespace
+
+TEST_CASE("A map tilts limit surfaces, mirrored UVs, both sides and blurred motion as it tilts a plate", "[mapped_render]") {
+    const auto isNear = [](const Vec2 &a, const Vec2 &b) { return glm::length(a - b) < 1e-4F; };
+    CHECK(isNear(seenSlope(plainPlate()), {0.3F, 0.1F}));
+    CHECK(isNear(seenSlope(plainPlate(), true), {0.3F, 0.1F})); // the same facet, its normal turned over
+    Object smooth = plainPlate();
+    smooth.subdivision.level = 2;
+    CHECK(isNear(seenSlope(smooth), {0.3F, 0.1F}));
+    Mesh mirrored = makeGrid(4, 4, 2);
+    for (Vec2 &uv : mirrored.uvs) uv.x = -uv.x;
+    for (const bool mapTangents : {false, true}) {
+        Object plate = makeObject(mirrored);
+        plate.mapTangents = mapTangents;
+        CHECK(isNear(seenSlope(plate), {-0.3F, 0.1F}));
+    }
+    // s' = A^-T s.
+    for (const double shutter : {0.0, 0.5}) {
+        Object stretched = plainPlate();
+        stretched.deformers = {stretchDeformer(DVec3(2, 1, 1)), shearDeformer(0.5)};
+        CHECK(isNear(seenSlope(stretched, false, shutter), {0.15F, 0.1F - 0.5F * 0.15F}));
+        stretched.follow = false; // the map as other renderers have it: in the frame of the deformed tangent
+        const Vec2 held = seenSlope(stretched, false, shutter);
+        CHECK(glm::length(held) == Approx(std::sqrt(0.1F)).epsilon(1e-4));
+    }
+}
+
+TEST_CASE("An export's M is roughened as the hit's is", "[mapped_render]") {
+    Scene scene = reliefScene(makeGrid(2, 2, 2), {stretchDeformer(DVec3(1.5, 1, 1))}, 0.1F, 8);
+    scene.objects[0].lean = false;
+    scene.materials[0].roughening = 0.5F;
+    scene.materials[0].yield = 0.1F;
+    GlossObject gloss;
+    prepareGlossObject(scene, scene.objects[0], gloss);
+    glossAtFrame(scene, 1, {}, gloss);
+    const std::vector<float> image = renderImage(scene, 1, 4, {"alpha"});
+    REQUIRE(!gloss.mesh.alpha.empty());
+    for (const Vec3 &alpha : gloss.mesh.alpha) {
+        CHECK(alpha.x == Approx(image[4]).epsilon(1e-5));
+        CHECK(alpha.y == Approx(image[5]).epsilon(1e-5));
+    }
 }
