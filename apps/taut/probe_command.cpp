@@ -25,7 +25,7 @@ using Json = nlohmann::ordered_json;
 
 /// The double of the fewest digits that name this float: 0.8 is printed as 0.8.
 double digits(float x) {
-    return std::isfinite(x) ? std::stod(fmt::format("{}", x)) : static_cast<double>(x);
+    return std::isfinite(x) ? std::stod(fmt::format("{}", x + 0.0F)) : static_cast<double>(x); // no -0
 }
 Json array(const Vec3 &v) {
     return {digits(v.x), digits(v.y), digits(v.z)};
