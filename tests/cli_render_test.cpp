@@ -38,10 +38,10 @@ TEST_CASE("cli: a render with everything asked for", "[cli]") {
     CHECK(exr.window.y0 == 2);
     CHECK(exr.window.x1 == 20);
     CHECK(exr.window.y1 == 14);
-    const std::vector<std::string> expected{"R",   "G",           "B",           "A",        "Z",        "Albedo.R", "Albedo.G", "Albedo.B",
-                                            "N.X", "N.Y",         "N.Z",         "Ns.X",     "Ns.Y",     "Ns.Z",     "P.X",      "P.Y",
-                                            "P.Z", "Pref.X",      "Pref.Y",      "Pref.Z",   "u",        "v",        "M.a",      "M.b",
-                                            "M.d", "Stretch.max", "Stretch.min", "AlphaMax", "AlphaMin", "AlphaPhi"};
+    const std::vector<std::string> expected{"R",   "G",   "B",      "A",           "Z",           "Albedo.R", "Albedo.G", "Albedo.B", "N.X",
+                                            "N.Y", "N.Z", "Ns.X",   "Ns.Y",        "Ns.Z",        "Nf.X",     "Nf.Y",     "Nf.Z",     "P.X",
+                                            "P.Y", "P.Z", "Pref.X", "Pref.Y",      "Pref.Z",      "u",        "v",        "M.a",      "M.b",
+                                            "M.d", "M.p", "M.q",    "Stretch.max", "Stretch.min", "AlphaMax", "AlphaMin", "AlphaPhi"};
     CHECK(exr.channels.size() == expected.size());
     for (const std::string &name : expected) CHECK(std::count(exr.channels.begin(), exr.channels.end(), name) == 1);
 

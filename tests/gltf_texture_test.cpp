@@ -252,17 +252,21 @@ TEST_CASE("alphaMode, cutoff and sides of a material", "[gltf]") {
 TEST_CASE("the extensions of a material arrive in it", "[gltf]") {
     const std::string folder = outputFolder("gltf_texture");
     GltfBuilder b = squareGltf();
+    writeImage(folder, "bumps.png", 2, 2, 3, {0.5F, 0.5F, 1, 0.7F, 0.5F, 0.9F, 0.5F, 0.7F, 0.9F, 0.5F, 0.5F, 1});
+    b.json["images"] = {{{"uri", "bumps.png"}}};
+    b.json["textures"] = {{{"source", 0}}};
     b.json["materials"][0]["extensions"] = {
         {"KHR_materials_transmission", {{"transmissionFactor", 0.75}}},
         {"KHR_materials_volume", {{"thicknessFactor", 2}, {"attenuationDistance", 0.5}, {"attenuationColor", {0.5, 0.25, 1}}}},
         {"KHR_materials_specular", {{"specularFactor", 0.5}, {"specularColorFactor", {2, 1, 0.5}}}},
         {"KHR_materials_clearcoat",
-         {{"clearcoatFactor", 1}, {"clearcoatRoughnessFactor", 0.25}, {"clearcoatNormalTexture", {{"index", 0}}}}},
+         {{"clearcoatFactor", 1}, {"clearcoatRoughnessFactor", 0.25}, {"clearcoatNormalTexture", {{"index", 0}, {"scale", 0.5}}}}},
         {"KHR_materials_sheen", {{"sheenColorFactor", {1, 0.5, 0}}, {"sheenRoughnessFactor", 0.5}}},
         {"KHR_materials_iridescence", {{"iridescenceFactor", 1}, {"iridescenceIor", 1.5}, {"iridescenceThicknessMaximum", 800}}},
         {"KHR_materials_emissive_strength", {{"emissiveStrength", 10}}},
         {"KHR_materials_unlit", nlohmann::json::object()}};
     b.json["materials"][0]["emissiveFactor"] = {0.5, 0, 0};
+    b.json["materials"][0]["normalTexture"] = {{"index", 0}, {"scale", 0.25}};
     const std::string path = writeTo(folder, "extensions.gltf", b.gltf());
     const Scene scene = loadFile(path);
     const Material &m = scene.materials.at(0);
@@ -282,7 +286,12 @@ TEST_CASE("the extensions of a material arrive in it", "[gltf]") {
     CHECK(m.iridescenceMax == 800);
     CHECK(m.unlit);
     CHECK(scene.objects.at(0).emission.value == Vec3(5, 0, 0));
-    CHECK(anySays(warningsOf(path), "clearcoatNormalTexture (1)"));
+    CHECK(m.coatSlopes.isGiven());
+    CHECK(m.coatSlopes.scale == 0.5F);
+    CHECK(m.slopes.isGiven());
+    CHECK(m.slopes.kind == SlopeMap::Kind::Normal);
+    CHECK(m.slopes.scale == 0.25F);
+    CHECK(scene.objects.at(0).mapTangents);
 }
 
 TEST_CASE("emission that lights nothing keeps the studio, a lamp turns it off", "[gltf]") {

@@ -74,7 +74,7 @@ const std::vector<Malformed> kMaterials{
     {"[material.a]\ntype = \"conductor\"\nmetal = \"Al\"\nf0 = 1\n", "4:1", {"'f0' beside 'metal'"}},
     {"[material.a]\ntype = \"conductor\"\nf0 = -0.5\n", "3:6", {"found -0.5", "at least 0"}},
     {"[material.a]\ntype = \"conductor\"\ncolor = 1\n", "3:1", {"'color'"}},
-    {"[material.a]\ntype = \"diffuse\"\nalpha = 0.1\n", "3:1", {"'alpha'", "one of type, color"}},
+    {"[material.a]\ntype = \"diffuse\"\nalpha = 0.1\n", "3:1", {"'alpha'", "one of preset, type, color, normal, bump, height"}},
     {"[material.a]\ntype = \"conductor\"\nroughness = 0.1\n", "3:1", {"'roughness'", "one of"}},
     {"[material.a]\ntype = \"coated\"\nior = 0\n", "3:7", {"found 0"}},
     {"[material.a]\ntype = \"coated\"\npoisson = 0.6\n", "3:11", {"found 0.6", "[-1, 0.5]"}},

@@ -14,6 +14,7 @@ std::span<const ChartEntry> allCharts() {
         {"plan", "what the plan's tolerance saves", measurePlan},
         {"render", "the whole renderer by samples, models and samplers; Cycles where Blender is", measureRender},
         {"microgeometry", "a deformed heightfield of real facets beside M", measureMicrogeometry},
+        {"mesostructure", "normal maps that lean, bend, and are seen from afar, beside a million real facets", measureMesostructure},
         {"talk", "the figures of the talk that the project began with", measureTalk},
         {"microsurface", "one hit and loops over many, beside a plain GGX", measureMicrosurface},
         {"lights", "one to 100,000 emitters: time and noise", measureLights},

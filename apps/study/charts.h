@@ -19,6 +19,7 @@ Chart measureBvh(const ChartOptions &options);
 Chart measurePlan(const ChartOptions &options);
 Chart measureRender(const ChartOptions &options);
 Chart measureMicrogeometry(const ChartOptions &options);
+Chart measureMesostructure(const ChartOptions &options);
 Chart measureTalk(const ChartOptions &options);
 Chart measureMicrosurface(const ChartOptions &options);
 Chart measureLights(const ChartOptions &options);

@@ -83,6 +83,7 @@ void print(const Report &report) {
     for (std::size_t i = 0; i < scene.materials.size(); ++i) {
         fmt::print("  {}: multiscatter {}\n", scene.materials[i].name, nameOf(multiscatterOf(scene.materials[i], plan.materials[i].model)));
         if (plan.materials[i].question) print(*plan.materials[i].question);
+        if (plan.details[i].question) print(*plan.details[i].question);
     }
     for (std::size_t i = 0; i < report.fields.size(); ++i) print(report.ready.objects()[i], report.fields[i]);
     fmt::print("plan: tolerance {:.3g}, predicted error {:.3g}{}, BVH {}\n", plan.tolerance, plan.predictedError,

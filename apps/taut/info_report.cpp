@@ -103,10 +103,13 @@ nlohmann::json toJson(const Report &report) {
     for (const SceneFile &file : scene.files) result["files"].push_back(toJson(file));
     for (std::size_t i = 0; i < scene.materials.size(); ++i) {
         const MultiscatterPlan &planned = plan.materials[i];
-        result["materials"].push_back({{"name", scene.materials[i].name},
-                                       {"multiscatter", nameOf(multiscatterOf(scene.materials[i], planned.model))},
-                                       {"predicted_error", planned.error},
-                                       {"question", planned.question ? toJson(*planned.question) : nlohmann::json()}});
+        result["materials"].push_back(
+            {{"name", scene.materials[i].name},
+             {"multiscatter", nameOf(multiscatterOf(scene.materials[i], planned.model))},
+             {"predicted_error", planned.error},
+             {"question", planned.question ? toJson(*planned.question) : nlohmann::json()},
+             {"texture_detail", nameOf(plan.details[i].detail)},
+             {"texture_question", plan.details[i].question ? toJson(*plan.details[i].question) : nlohmann::json()}});
     }
     for (std::size_t i = 0; i < report.fields.size(); ++i) result["objects"].push_back(toJson(report.ready.objects()[i], report.fields[i]));
     return result;

@@ -2,6 +2,7 @@
 /// Arguments that the questions of `taut probe` share: the microsurface, directions, what scatters.
 
 #include "taut/bsdf/bsdf_types.h"
+#include "taut/microsurface/mesostructure.h"
 
 #include <CLI/CLI.hpp>
 
@@ -15,6 +16,9 @@ struct ProbeArguments {
     std::vector<double> m;
     std::vector<double> alpha;
     double rotation = 0;
+    std::vector<double> slope;  ///< of a mapped facet, with
+    std::vector<double> deform; ///< a, b, c, d [, p, q [, lambda]]: F of the mesh
+    double roughening = 0, yield = 0;
     double theta = 0, phi = 0;
     double thetaIn = 0, phiIn = 0;
     std::string mode = "correlated";
@@ -30,17 +34,20 @@ struct ProbeArguments {
     bool json = true; ///< always: nothing else is printed
 };
 
-/// --m, --alpha and --rotation.
+/// --m, --alpha, --rotation, --slope, --deform, --roughening and --yield.
 void addMicrosurfaceArguments(CLI::App &command, ProbeArguments &arguments);
 /// --theta, --phi.
 void addViewArguments(CLI::App &command, ProbeArguments &arguments);
 /// --mode, --f0, --samples (`what` says of what), --seed.
 void addScatteringArguments(CLI::App &command, ProbeArguments &arguments, std::uint32_t samples, const std::string &what);
 
-/// The transform that --m or --alpha names. Throws InputError where there is none, or not one alone.
+/// The transform that --m or --alpha, --slope and --deform name, in the frame of its normal. Throws InputError where there is none, or not
+/// one alone.
+GeneralTransform surfaceOf(const ProbeArguments &arguments);
+/// For what counts normals about z: throws InputError where the surface is tilted.
 MicroTransform microsurfaceOf(const ProbeArguments &arguments);
 /// A reflector of Schlick's reflectance on that microsurface. Throws InputError.
-Bsdf bsdfOf(const ProbeArguments &arguments);
+Bsdf bsdfOf(const ProbeArguments &arguments, const MicroTransform &micro);
 /// Unit, local: theta from z, phi from x towards y; degrees. Throws InputError naming `option` outside [0, 180].
 Vec3 directionOf(double theta, double phi, const char *option);
 

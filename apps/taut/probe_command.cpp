@@ -25,21 +25,42 @@ using Json = nlohmann::ordered_json;
 
 /// The double of the fewest digits that name this float: 0.8 is printed as 0.8.
 double digits(float x) {
-    return std::isfinite(x) ? std::stod(fmt::format("{}", x)) : static_cast<double>(x);
+    return std::isfinite(x) ? std::stod(fmt::format("{}", x + 0.0F)) : static_cast<double>(x); // no -0
 }
 Json array(const Vec3 &v) {
     return {digits(v.x), digits(v.y), digits(v.z)};
 }
 
-Json describe(const Bsdf &bsdf, const ProbeArguments &arguments, const Vec3 &wo) {
-    const MicroTransform &m = bsdf.micro;
+/// What scatters, and the frame that it does so in: wo and wi are asked for and answered in the space of --m.
+struct Asked {
+    Frame frame;
+    Bsdf bsdf;
+    explicit Asked(const ProbeArguments &arguments) {
+        const GeneralTransform surface = surfaceOf(arguments);
+        frame = surface.frame;
+        bsdf = bsdfOf(arguments, surface.micro);
+    }
+    [[nodiscard]] bool tilted() const { return frame.n != Vec3(0, 0, 1); }
+    [[nodiscard]] Vec3 toLocal(const Vec3 &w) const { return tilted() ? frame.toLocal(w) : w; }
+    [[nodiscard]] Vec3 fromLocal(const Vec3 &w) const { return tilted() ? frame.fromLocal(w) : w; }
+};
+
+Json describe(const Asked &asked, const ProbeArguments &arguments, const Vec3 &wo) {
+    const MicroTransform &m = asked.bsdf.micro;
     const EquivalentAlpha alpha = equivalentAlpha(m);
-    return {{"m", {digits(m.a), digits(m.b), 0.0, digits(m.d), digits(m.p), digits(m.q)}},
-            {"alpha_max", digits(alpha.max)},
-            {"alpha_min", digits(alpha.min)},
-            {"alpha_rotation", digits(alpha.phi * (180 / kPi))},
-            {"mode", arguments.mode},
-            {"wo", array(wo)}};
+    Json result{{"m", {digits(m.a), digits(m.b), 0.0, digits(m.d), digits(m.p), digits(m.q)}},
+                {"alpha_max", digits(alpha.max)},
+                {"alpha_min", digits(alpha.min)},
+                {"alpha_rotation", digits(alpha.phi * (180 / kPi))}};
+    if (asked.tilted()) {
+        const Frame &f = asked.frame;
+        result["normal"] = array(f.n);
+        result["frame_x"] = array(f.s);
+        if (f.n.z > 0) result["slope"] = {digits(f.n.x / f.n.z), digits(f.n.y / f.n.z)};
+    }
+    result["mode"] = arguments.mode;
+    result["wo"] = array(wo);
+    return result;
 }
 
 /// Members on lines of their own, arrays of numbers on one.
@@ -79,8 +100,10 @@ struct Parts {
 };
 
 int albedo(const ProbeArguments &arguments) {
-    const Bsdf bsdf = bsdfOf(arguments);
-    const Vec3 wo = directionOf(arguments.theta, arguments.phi, "--theta");
+    const Asked asked(arguments);
+    const Bsdf &bsdf = asked.bsdf;
+    const Vec3 view = directionOf(arguments.theta, arguments.phi, "--theta");
+    const Vec3 wo = asked.toLocal(view);
     const Parts parts(arguments.samples);
     const bool walks = bsdf.multiscatter == Multiscatter::Walk;
     std::vector<double> energy(parts.count);
@@ -102,7 +125,7 @@ int albedo(const ProbeArguments &arguments) {
         energy[part] /= parts.each;
         bounces[part] /= parts.each;
     });
-    Json result = describe(bsdf, arguments, wo);
+    Json result = describe(asked, arguments, view);
     const Estimate e = estimate(energy);
     result["albedo"] = e.mean;
     result["standard_error"] = e.error;
@@ -116,12 +139,15 @@ int albedo(const ProbeArguments &arguments) {
 }
 
 int pdf(const ProbeArguments &arguments) {
-    const Bsdf bsdf = bsdfOf(arguments);
-    const Vec3 wo = directionOf(arguments.theta, arguments.phi, "--theta");
-    const Vec3 wi = directionOf(arguments.thetaIn, arguments.phiIn, "--theta-in");
+    const Asked asked(arguments);
+    const Bsdf &bsdf = asked.bsdf;
+    const Vec3 view = directionOf(arguments.theta, arguments.phi, "--theta");
+    const Vec3 wo = asked.toLocal(view);
+    const Vec3 light = directionOf(arguments.thetaIn, arguments.phiIn, "--theta-in");
+    const Vec3 wi = asked.toLocal(light);
     const MicroTransform &m = bsdf.micro;
     const ScatteringPoint point(bsdf, wo);
-    Json result = describe(bsdf, arguments, wo);
+    Json result = describe(asked, arguments, view);
     const Vec3 h = wo + wi;
     const bool reflects = wi.z > 0 && glm::dot(h, h) > 0;
     const float density = reflects ? ggx::distribution(m, h) : 0.0F;
@@ -133,8 +159,8 @@ int pdf(const ProbeArguments &arguments) {
     if (wi.z > 0)
         both = wo.z > 0 ? 4 * wo.z * wi.z * ggx::visibility(wo.z, lengthO, wi.z, ggx::stretchedLength(m, wi), bsdf.correlated)
                         : maskingO * maskingI;
-    result["wi"] = array(wi);
-    result["wm"] = reflects ? array(glm::normalize(h)) : Json(nullptr);
+    result["wi"] = array(light);
+    result["wm"] = reflects ? array(asked.fromLocal(glm::normalize(h))) : Json(nullptr);
     result["D"] = digits(density);
     result["G1"] = digits(maskingO);
     result["G1_in"] = digits(maskingI);
@@ -168,15 +194,17 @@ int pdf(const ProbeArguments &arguments) {
 }
 
 int sample(const ProbeArguments &arguments) {
-    const Bsdf bsdf = bsdfOf(arguments);
-    const Vec3 wo = directionOf(arguments.theta, arguments.phi, "--theta");
+    const Asked asked(arguments);
+    const Bsdf &bsdf = asked.bsdf;
+    const Vec3 view = directionOf(arguments.theta, arguments.phi, "--theta");
+    const Vec3 wo = asked.toLocal(view);
     const ScatteringPoint point(bsdf, wo);
-    Json result = describe(bsdf, arguments, wo);
+    Json result = describe(asked, arguments, view);
     Json samples = Json::array();
     for (std::uint32_t i = 0; i < arguments.samples; ++i) {
         const auto s = point.sample(sobol2(i, arguments.seed), sobol1(i, hash(arguments.seed, 1)), hash(i, arguments.seed));
         if (s)
-            samples.push_back({{"wi", array(s->wi)}, {"pdf", digits(s->pdf)}, {"weight", digits(s->weight.x)}});
+            samples.push_back({{"wi", array(asked.fromLocal(s->wi))}, {"pdf", digits(s->pdf)}, {"weight", digits(s->weight.x)}});
         else
             samples.push_back({{"wi", nullptr}, {"pdf", 0.0}, {"weight", 0.0}});
     }
@@ -193,8 +221,10 @@ int lobe(const ProbeArguments &arguments) {
         failUnknownName({"--quantity"}, arguments.quantity, kQuantities);
     if (!arguments.output.empty() && !isImagePath(arguments.output))
         failInput({"--output"}, quoted(arguments.output), "a name in .exr or .png");
-    const Bsdf bsdf = bsdfOf(arguments);
-    const Vec3 wo = directionOf(arguments.theta, arguments.phi, "--theta");
+    const Asked asked(arguments);
+    const Bsdf &bsdf = asked.bsdf;
+    const Vec3 view = directionOf(arguments.theta, arguments.phi, "--theta");
+    const Vec3 wo = asked.toLocal(view);
     const ScatteringPoint point(bsdf, wo);
     const int width = arguments.width;
     const int height = width / 2;
@@ -209,7 +239,8 @@ int lobe(const ProbeArguments &arguments) {
             double sum = 0;
             for (std::uint32_t i = 0; i < arguments.samples; ++i) {
                 const DVec2 offset(sobol2(i, seed));
-                const BsdfEval e = point.evaluate(directionAt(column + offset.x, static_cast<double>(row) + offset.y), hash(i, seed));
+                const BsdfEval e =
+                    point.evaluate(asked.toLocal(directionAt(column + offset.x, static_cast<double>(row) + offset.y)), hash(i, seed));
                 sum += static_cast<double>(arguments.quantity == "pdf" ? e.pdf : e.fCos.x);
             }
             values[at] = static_cast<float>(sum / arguments.samples);
@@ -223,7 +254,7 @@ int lobe(const ProbeArguments &arguments) {
         integral += static_cast<double>(values[i]) * band * radians(360.0 / width);
     }
     const auto columns = static_cast<std::size_t>(width);
-    Json result = describe(bsdf, arguments, wo);
+    Json result = describe(asked, arguments, view);
     result["quantity"] = arguments.quantity;
     result["width"] = width;
     result["height"] = height;

@@ -256,7 +256,7 @@ void addRender(CLI::App &parent, Run &run) {
     command->add_option("--crop", arguments->crop, "Render only the pixels x0,y0,x1,y1 (x1, y1 excluded)");
     command
         ->add_option("--aov", arguments->aovs,
-                     "Extra channels: depth, albedo, normal, shading_normal, position, rest_position, uv, m, stretch, alpha, all")
+                     "Extra channels: depth, albedo, normal, shading_normal, facet_normal, position, rest_position, uv, m, lean, stretch, alpha, all")
         ->delimiter(',')
         ->allow_extra_args(false);
     command->add_flag("--check", arguments->check, "Read and check everything, evaluate every frame, render nothing");

@@ -1,6 +1,7 @@
 #pragma once
 /// What scatters at a hit, as plain data, and what scattering answers. The functions are in bsdf.h.
 
+#include "taut/base/frame.h"
 #include "taut/bsdf/bsdf_table.h"
 #include "taut/bsdf/multiscatter_choice.h"
 
@@ -41,7 +42,9 @@ struct Bsdf {
     Vec3 metalF0{0};       ///< and of this
     ThinFilm film;
     float coat = 0;           ///< share of a clear coat
-    MicroTransform coatMicro; ///< and its microsurface
+    MicroTransform coatMicro; ///< and its microsurface, in
+    Frame coatFrame;          ///< its own frame, seen from that of the base, which a map tilts
+    bool coatTilted = false;  ///< else they are the same
     Vec3 sheenColor{0};       ///< of fibres on the surface
     float sheenAlpha = 1;     ///< sheen.h
 };

@@ -99,15 +99,15 @@ struct MetallicRoughnessBsdf {
     static void prepare(BsdfView &view, MultipleScattering &multiple) {
         const Bsdf &bsdf = view.bsdf;
         if (multiple.treatment == Multiscatter::Compensation) multiple.color = severalFacets(bsdf, 1 - multiple.lossMean);
-        const float cosine = std::fabs(view.wo.z);
         LayerView &layers = view.layers;
         float coat = 0;
         float sheen = 0;
         if (bsdf.coat > 0) {
-            coat = layers.coatShare = bsdf.coat * (kCoatF0 + (1 - kCoatF0) * fresnel::schlickShare(cosine));
-            const float length = ggx::stretchedLength(bsdf.coatMicro, view.wo);
-            const float area = ggx::visibleArea(bsdf.coatMicro, view.wo, length);
-            layers.coatReflections.emplace(bsdf.coatMicro, view.wo, bsdf.bearableWaste);
+            const Vec3 wo = inCoat(bsdf, view.wo);
+            coat = layers.coatShare = bsdf.coat * (kCoatF0 + (1 - kCoatF0) * fresnel::schlickShare(std::fabs(wo.z)));
+            const float length = ggx::stretchedLength(bsdf.coatMicro, wo);
+            const float area = ggx::visibleArea(bsdf.coatMicro, wo, length);
+            layers.coatReflections.emplace(bsdf.coatMicro, wo, bsdf.bearableWaste);
             layers.coatLobe = {length, area, layers.coatReflections->pdfScale(), bsdf.correlated, bsdf.eta};
             layers.under -= coat;
         }
@@ -260,13 +260,23 @@ struct MetallicRoughnessBsdf {
             if (hasSheen(bsdf) && view.wo.z > 0)
                 e.fCos += bsdf.sheenColor * (layers.sheenScale * sheen::lobe(view.wo.z, wi.z, h.z * inverse, bsdf.sheenAlpha));
         }
-        if (layers.coat > 0) {
-            const BsdfEval coat =
-                reflectionLobe(bsdf.coatMicro, layers.coatLobe, view.wo, wi, [&](float /*cosine*/) { return Vec3(layers.coatShare); });
+        if (const Vec3 up = inCoat(bsdf, wi); layers.coat > 0 && up.z > 0) {
+            const BsdfEval coat = reflectionLobe(bsdf.coatMicro, layers.coatLobe, inCoat(bsdf, view.wo), up,
+                                                 [&](float /*cosine*/) { return Vec3(layers.coatShare); });
             e.fCos += coat.fCos;
             e.pdf += layers.coat * coat.pdf;
         }
         return e;
+    }
+
+    /// A direction in the coat's own frame.
+    static Vec3 inCoat(const Bsdf &bsdf, const Vec3 &w) { return bsdf.coatTilted ? bsdf.coatFrame.toLocal(w) : w; }
+    /// What the coat reflects below the horizon of what it covers is left out.
+    static std::optional<Vec3> sampleCoat(const BsdfView &view, const Vec2 &u, float coin) {
+        std::optional<Vec3> wi = view.layers.coatReflections->sample(u, coin);
+        if (!wi || !view.bsdf.coatTilted) return wi;
+        wi = view.bsdf.coatFrame.fromLocal(*wi);
+        return wi->z > 0 ? wi : std::nullopt;
     }
 
     /// KHR_materials_transmission: the lobe of reflection mirrored at a wall so thin that nothing is bent.
@@ -296,7 +306,7 @@ struct MetallicRoughnessBsdf {
     /// `at` in [0, 1 - facets).
     static std::optional<Vec3> sampleLobes(const BsdfView &view, const Vec2 &u, float at) {
         const LayerView &layers = view.layers;
-        if (at < layers.coat) return layers.coatReflections->sample(u, at / layers.coat);
+        if (at < layers.coat) return sampleCoat(view, u, at / layers.coat);
         at -= layers.coat;
         if (at < layers.through) return view.bsdf.refracts ? sampleRefracted(view, u) : samplePassed(view, u, at / layers.through);
         if (!(layers.diffuse > 0)) return std::nullopt; // rounding

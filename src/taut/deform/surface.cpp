@@ -4,6 +4,7 @@
 #include "taut/deform/skin_hinges.h"
 #include "taut/deform/skinning.h"
 #include "taut/deform/surface_fit.h"
+#include "taut/mesh/tangent_space.h"
 #include "taut/mesh/triangulate.h"
 #include "taut/mesh/weld.h"
 #include "taut/mesh/winding.h"
@@ -187,12 +188,13 @@ class Builder {
 
     /// A render vertex while it is made: dP/du summed over the faces that share it.
     struct VertexSum {
-        Index surface, uv, tangent, color;
+        Index surface, uv, tangent, mapTangent, color;
         bool mirrored, turned;
         Vec3 dPdu;
     };
 
     void makeRenderVertices() {
+        makeMapTangents();
         std::map<std::tuple<Index, Index, Index, bool, Index>, Index> known;
         std::vector<VertexSum> sums;
         cornerVertex_.resize(mesh_.cornerCount());
@@ -200,12 +202,13 @@ class Builder {
         forEachCorner([&](std::size_t face, const Corner &c) {
             const Index uv = attribute(mesh_.cornerUvs, c.self);
             const Index tangent = attribute(mesh_.cornerTangents, c.self);
+            const Index mapTangent = attribute(mapTangents_.corners, c.self);
             Vec3 dPdu(0);
             const bool mirrored = uv != kNone && cornerDerivative(face, c, dPdu);
             const Index color = attribute(mesh_.cornerColors, c.self);
-            const auto [at, isNew] =
-                known.try_emplace({cornerSurface_[c.self], uv, tangent, mirrored, color}, static_cast<Index>(sums.size()));
-            if (isNew) sums.push_back({cornerSurface_[c.self], uv, tangent, color, mirrored, isTurned(c.self), Vec3(0)});
+            const auto [at, isNew] = known.try_emplace(
+                {cornerSurface_[c.self], uv, mapTangent == kNone ? tangent : mapTangent, mirrored, color}, static_cast<Index>(sums.size()));
+            if (isNew) sums.push_back({cornerSurface_[c.self], uv, tangent, mapTangent, color, mirrored, isTurned(c.self), Vec3(0)});
             sums[at->second].dPdu += dPdu;
             cornerVertex_[c.self] = at->second;
         });
@@ -221,6 +224,13 @@ class Builder {
             surface_.mirroredVertices += sum.mirrored ? 1 : 0;
             surface_.turnedVertices += sum.turned ? 1 : 0;
         }
+    }
+
+    void makeMapTangents() {
+        if (!options_.mapTangents || !mesh_.cornerTangents.empty() || mesh_.cornerUvs.empty()) return;
+        std::vector<Vec3> normals(mesh_.cornerCount());
+        for (Index c = 0; c < normals.size(); ++c) normals[c] = surface_.normals[cornerSurface_[c]];
+        mapTangents_ = tangentSpace(mesh_, rest_, normals);
     }
 
     /// Where the UV map runs on across a seam (a texture that wraps), each side sees half of the faces around a vertex: the halves
@@ -288,6 +298,10 @@ class Builder {
             const Vec4 &tangent = mesh_.tangents[sum.tangent];
             direction = options_.restFromObject * Vec3(tangent);
             hand = (tangent.w < 0) != sum.turned ? -1.0F : 1.0F; // the bitangent stays where the file has it
+        } else if (sum.mapTangent != kNone) {
+            const Vec4 &tangent = mapTangents_.tangents[sum.mapTangent];
+            direction = Vec3(tangent);
+            hand = tangent.w;
         }
         Vec2 t(frame.toLocal(direction));
         const float length = glm::length(t);
@@ -323,6 +337,7 @@ class Builder {
     std::vector<Index> cornerSurface_;  // corner -> surface vertex
     std::vector<Index> surfaceNormal_;  // surface vertex -> normal, on a limit surface
     std::vector<Index> cornerVertex_;   // corner -> render vertex
+    TangentSpace mapTangents_;          // TangentOfMaps
 };
 
 } // namespace

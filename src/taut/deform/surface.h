@@ -16,6 +16,7 @@
 ///                        mirrored UVs b0 turns over, and so does the sense of a material's rotation. The UV winding splits
 ///                        render vertices, so a mirror seam is sharp.
 ///                        Across a seam where the map runs on (within 20 degrees) both sides share one tangent.
+///   TangentOfMaps        under a map of normals (mapTangents) t0 is what the map was baked for: the file's own, else MikkTSpace's.
 ///   SmoothFieldNoUv      without UVs (or where the UV map is degenerate) t0 comes from smoothTangentFromNormal: smooth over the
 ///                        sphere of normals but for one point (n = -z).
 ///   NormalsFollowWinding a file's normals that point to the inner side of their faces are turned (mesh/winding.h).
@@ -98,8 +99,9 @@ enum class GradientFit { Area, Angle, LeastSquares };
 
 struct SurfaceOptions {
     Mat3 restFromObject{1};
-    bool smooth = true; ///< where the file has no normals: smooth, else faceted
-    bool weld = false;  ///< join positions that coincide and move alike (glTF splits positions at seams)
+    bool smooth = true;       ///< where the file has no normals: smooth, else faceted
+    bool weld = false;        ///< join positions that coincide and move alike (glTF splits positions at seams)
+    bool mapTangents = false; ///< where the file has none: tangents as maps of normals are baked for (mesh/tangent_space.h)
     GradientFit fit = GradientFit::Area;
     const Subdivision *limit = nullptr; ///< the mesh is limit->mesh: exact limit derivatives where it has them, else the fit
     std::span<const Vec3> cage;         ///< with `limit`: the cage's positions, object space

@@ -3,6 +3,7 @@
 #include "taut/base/error.h"
 #include "taut/base/parallel.h"
 #include "taut/deform/stored_gloss.h"
+#include "taut/microsurface/roughening.h"
 #include "taut/scene/material_gloss.h"
 
 #include <array>
@@ -149,6 +150,10 @@ void glossAtFrame(const Scene &scene, double frame, const GlossOptions &options,
             const StoredColumns columns = storedColumns(out.surface.mesh(), surface, source, ds, dt, n, object.follow, material.poisson);
             m = microTransform(glm::dot(s, columns.x), glm::dot(s, columns.y), glm::dot(t, columns.x), glm::dot(t, columns.y));
         }
+        const Vec2 sigma = singularValues(vss, vst, vst, vtt);
+        if (follows && !stored && material.roughening > 0)
+            m = roughened(m, addedAlpha(equivalentStrain(static_cast<double>(sigma.x), static_cast<double>(sigma.y)),
+                                        static_cast<double>(material.roughening), static_cast<double>(material.yield)));
         mesh.positions[v] = from.positions[source];
         mesh.normals[v] = n;
         mesh.tangents[v] = Vec4(s, polar.tangent.w);
@@ -156,7 +161,6 @@ void glossAtFrame(const Scene &scene, double frame, const GlossOptions &options,
         mesh.dt[v] = dt;
         mesh.m[v] = {m.a, m.b, m.d};
         mesh.lean[v] = {m.p, m.q};
-        const Vec2 sigma = singularValues(vss, vst, vst, vtt);
         mesh.stretch[v] = {sigma.x, sigma.y, std::fabs(glm::dot(glm::cross(ds, dt), n))};
         const float stretchAngle = 0.5F * std::atan2(2 * vst, vss - vtt);
         const EquivalentAlpha alpha = equivalentAlpha(m);

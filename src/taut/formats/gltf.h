@@ -41,6 +41,8 @@ struct GltfMaterial {
     float metallic = 1;
     float roughness = 1;                     ///< glTF's roughness: alpha = roughness^2
     GltfTextureRef metallicRoughnessTexture; ///< G = roughness, B = metallic
+    GltfTextureRef normalTexture;
+    float normalScale = 1;
     Vec3 emissive{0};                        ///< with KHR_materials_emissive_strength applied
     GltfTextureRef emissiveTexture;
     float anisotropyStrength = 0;     ///< KHR_materials_anisotropy
@@ -65,6 +67,8 @@ struct GltfMaterial {
     GltfTextureRef clearcoatTexture; ///< R
     float clearcoatRoughness = 0;
     GltfTextureRef clearcoatRoughnessTexture; ///< G
+    GltfTextureRef clearcoatNormalTexture;
+    float clearcoatNormalScale = 1;
     Vec3 sheenColor{0};                       ///< KHR_materials_sheen
     GltfTextureRef sheenColorTexture;
     float sheenRoughness = 0;

@@ -114,7 +114,8 @@ void readLobes(const MaterialSource &from, const GltfValue &extensions, GltfMate
     m.clearcoatTexture = textureOf(coat["clearcoatTexture"]);
     m.clearcoatRoughness = numberIn(coat["clearcoatRoughnessFactor"], 0, 0, 1);
     m.clearcoatRoughnessTexture = textureOf(coat["clearcoatRoughnessTexture"]);
-    if (coat.has("clearcoatNormalTexture")) from.file.leftOut.add("clearcoatNormalTexture");
+    m.clearcoatNormalTexture = textureOf(coat["clearcoatNormalTexture"]);
+    m.clearcoatNormalScale = static_cast<float>(coat["clearcoatNormalTexture"]["scale"].number(1));
     const GltfValue sheen = extensions["KHR_materials_sheen"];
     m.sheenColor = colour(sheen["sheenColorFactor"], Vec3(0));
     m.sheenColorTexture = textureOf(sheen["sheenColorTexture"]);
@@ -156,8 +157,9 @@ GltfMaterial readMaterial(const MaterialSource &from, const GltfValue &gltf, std
     material.alphaCutoff = numberIn(gltf["alphaCutoff"], 0.5, 0, 1e37);
     material.unlit = extensions.has("KHR_materials_unlit");
     readLobes(from, extensions, material);
-    for (const char *unused : {"normalTexture", "occlusionTexture"})
-        if (gltf.has(unused)) from.file.leftOut.add(unused);
+    material.normalTexture = texture(gltf["normalTexture"]);
+    material.normalScale = static_cast<float>(gltf["normalTexture"]["scale"].number(1));
+    if (gltf.has("occlusionTexture")) from.file.leftOut.add("occlusionTexture");
     return material;
 }
 

@@ -10,6 +10,8 @@ namespace {
 
 /// A lobe's relative change for a relative change of both its widths, at its peak.
 constexpr float kPeakFactor = 2;
+/// Of maps, where nobody looks at their texels.
+constexpr float kTypicalSlope = 0.5F;
 /// Most faces that a plan refines a mesh to.
 constexpr std::size_t kMostFaces = 4U << 20U;
 /// Root mean square over vertices to that over the pixels of a view, which may see the worse part.
@@ -43,16 +45,16 @@ Question stretchQuestion(const Object &object, const GradientField &field, const
     Question q;
     const bool inert = !(alpha.greatest.x > 0) || !object.follow || isRigid(object);
     const float leanError = object.lean ? 4 * field.lean * std::fmin(alpha.greatest.x, 1.0F) + kPeakFactor * field.logNormalStretch : 0.0F;
-    q.choices.push_back({StretchModel::Constant, inert ? 0.0F : kPeakFactor * field.logStretch + leanError, 0, 0, {}});
+    q.choices.push_back({StretchModel::Constant, inert ? 0.0F : kPeakFactor * alpha.sensitivity * field.logStretch + leanError, 0, 0, {}});
     if (inert) return q;
-    q.choices.push_back({StretchModel::Uniform, kPeakFactor * field.fromMean + leanError, costs.uniform, 0, {}});
+    q.choices.push_back({StretchModel::Uniform, kPeakFactor * alpha.sensitivity * field.fromMean + leanError, costs.uniform, 0, {}});
     q.choices.push_back({StretchModel::PerVertex, leanError, costs.vertex, 0, {}});
     if (object.lean) q.choices.push_back({StretchModel::Leaning, 0, costs.lean, 0, {}});
     return q;
 }
 
-Question interpolationQuestion(const GradientField &field, const PlanCosts &costs) {
-    return {{{GradientInterpolation::Face, kPeakFactor * field.withinFace, costs.face, 0, {}},
+Question interpolationQuestion(const GradientField &field, const AlphaRange &alpha, const PlanCosts &costs) {
+    return {{{GradientInterpolation::Face, kPeakFactor * alpha.sensitivity * field.withinFace, costs.face, 0, {}},
              {GradientInterpolation::Stretch, 0, costs.vertex, 0, {}}},
             0};
 }
@@ -95,12 +97,17 @@ bool hasMicrosurface(const Material &material) {
 void AlphaRange::add(const AlphaRange &other) {
     least = std::fmin(least, other.least);
     greatest = glm::max(greatest, other.greatest);
+    sensitivity = std::fmax(sensitivity, other.sensitivity);
 }
 
 /// Singular values of a product are at most those of one factor times the greatest of the other.
 AlphaRange deformedAlpha(const Material &material, const GradientField &field) {
     const RestAlpha rest = restAlpha(material);
-    return {rest.least / field.greatestStretch, rest.greatest / field.leastStretch};
+    AlphaRange range{rest.least / field.greatestStretch, rest.greatest / field.leastStretch};
+    // A relative change of V moves a facet by that share of its slope, and roughens by that strain: against alpha.
+    const float moved = (material.slopes.isGiven() ? kTypicalSlope : 0.0F) + material.roughening;
+    range.sensitivity = 1 + moved / range.least;
+    return range;
 }
 
 int mostLevel(const Object &object) {
@@ -133,7 +140,7 @@ void planMesh(const Object &object, const GradientField &field, const AlphaRange
     };
     plan.stretch = ask(stretchQuestion(object, field, alpha, costs)).answer<StretchModel>();
     if (plan.stretch == StretchModel::PerVertex && !object.interpolation)
-        plan.interpolation = ask(interpolationQuestion(field, costs)).answer<GradientInterpolation>();
+        plan.interpolation = ask(interpolationQuestion(field, alpha, costs)).answer<GradientInterpolation>();
     if (!object.gradient && !isRigid(object)) ask(gradientQuestion(plan.estimator, costs));
 }
 

@@ -13,7 +13,8 @@ bool hasMicrosurface(const Material &material);
 /// Alphas of materials over everything that a mesh does.
 struct AlphaRange {
     float least = kInfinity;
-    Vec2 greatest{0}; ///< of the rougher and of the smoother one; 0 without a microsurface
+    Vec2 greatest{0};      ///< of the rougher and of the smoother one; 0 without a microsurface
+    float sensitivity = 1; ///< of an image to V: 1 for a gloss alone; slopes that V turns, and roughening by it, change lobes beside that
     void add(const AlphaRange &other);
 };
 /// A material's alphas on a mesh that does this.

@@ -13,8 +13,9 @@ constexpr float kCompensationLobeError = 0.35F;
 /// Variance of the light of several facets over that of independent paths without next events, measured over the scenes of `taut chart
 /// plan` and `render`: with it, mended error over noise, squared, comes out within a factor of three where it is near one.
 constexpr float kNoiseShare = 0.33F;
-/// A grazing view loses more than the average over views.
+/// A grazing view loses more than the average over views; facets of a map are seen at grazing angles everywhere.
 constexpr float kGrazingLoss = 2;
+constexpr float kMappedLoss = 5;
 
 /// Share of diffuse light that meets several facets.
 float lossAt(const Vec2 &alpha) {
@@ -52,7 +53,8 @@ MultiscatterPlan planMultiscatter(const Material &material, const Vec2 &greatest
     if (!isOpen) return plan;
     const float loss = lossAt(greatestAlpha);
     plan.negligibleLoss = 0.5F * budget / kGrazingLoss;
-    Question q{{{Multiscatter::Off, kGrazingLoss * loss, 0, 0, {}}}, 0};
+    const float seen = material.slopes.isGiven() ? kMappedLoss : kGrazingLoss;
+    Question q{{{Multiscatter::Off, seen * loss, 0, 0, {}}}, 0};
     if (bsdfInfo(material.type).compensates() && costs.compensation < costs.walkAt(loss))
         q.choices.push_back(
             {Multiscatter::Auto, kGrazingLoss * plan.negligibleLoss + kCompensationLobeError * loss, costs.compensation, 0, {}});

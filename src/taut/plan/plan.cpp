@@ -1,6 +1,7 @@
 #include "taut/plan/plan.h"
 
 #include "taut/plan/bvh_question.h"
+#include "taut/plan/detail_question.h"
 #include "taut/plan/mesh_questions.h"
 #include "taut/plan/multiscatter_question.h"
 #include "taut/scene/check_scene.h"
@@ -14,6 +15,8 @@ namespace {
 
 /// Share of the tolerance that what is lost between facets may take; the rest is for the gradient.
 constexpr float kMultiscatterShare = 0.5F;
+/// And what maps of slopes seen from afar may take of the gradient's part.
+constexpr float kDetailShare = 0.25F;
 
 /// The places among the scene's frames that a plan looks at.
 std::vector<std::size_t> spreadFrames(std::size_t frames) {
@@ -34,7 +37,7 @@ class Planner {
   public:
     Planner(const Scene &scene, const PlanOptions &options)
         : scene_(scene), options_(options), spread_(spreadFrames(scene.render.frames.size())),
-          greatestAlpha_(scene.materials.size(), Vec2(0)) {}
+          greatestAlpha_(scene.materials.size(), Vec2(0)), leastAlpha_(scene.materials.size(), kInfinity) {}
 
     PlannedScene plan() {
         ScenePlan &plan = planned_.plan;
@@ -112,7 +115,9 @@ class Planner {
         const Object &object = scene_.objects[i];
         ScenePlan &plan = planned_.plan;
         MeshPlan &mesh = plan.meshes[i];
-        float left = (1 - kMultiscatterShare) * plan.tolerance;
+        const bool mapped =
+            std::any_of(object.materials.begin(), object.materials.end(), [&](Index m) { return scene_.materials[m].slopes.isGiven(); });
+        float left = (1 - kMultiscatterShare - (mapped ? kDetailShare : 0)) * plan.tolerance;
         if (object.planLevel && !options_.full) chooseLevel(i, left);
         const GradientField field = measure(i);
         if (options_.full) return;
@@ -122,6 +127,7 @@ class Planner {
             const AlphaRange own = deformedAlpha(scene_.materials[m], object.follow ? field : GradientField{});
             alpha.add(own);
             greatestAlpha_[m] = glm::max(greatestAlpha_[m], own.greatest);
+            leastAlpha_[m] = std::fmin(leastAlpha_[m], own.least);
         }
         if (alpha.greatest.x > 0) {
             mesh.leastAlpha = alpha.least;
@@ -139,6 +145,7 @@ class Planner {
         const int middle = scene_.render.frames[spread_[spread_.size() / 2]];
         std::optional<SceneLights> lights;
         float worst = 0;
+        float worstDetail = 0;
         for (std::size_t m = 0; m < scene_.materials.size(); ++m) {
             const Vec2 alpha = glm::clamp(greatestAlpha_[m], Vec2(kLeastAlpha), Vec2(kMostAlpha));
             MultiscatterPlan &material = plan.materials[m];
@@ -147,18 +154,22 @@ class Planner {
                 if (!lights) lights = lightsOf(scene_, middle);
                 weighNoise(scene_, static_cast<Index>(m), alpha, *lights, middle, material);
             }
+            DetailPlan &detail = plan.details[m];
+            detail = planDetail(scene_, static_cast<Index>(m), leastAlpha_[m], middle, kDetailShare * plan.tolerance);
+            worstDetail = std::fmax(worstDetail, detail.error);
             if (material.error > budget)
                 plan.errorInNoise = std::fmax(plan.errorInNoise, material.error);
             else
                 worst = std::fmax(worst, material.error);
         }
-        plan.predictedError += worst;
+        plan.predictedError += worst + worstDetail;
     }
 
     const Scene &scene_;
     const PlanOptions &options_;
     std::vector<std::size_t> spread_;
     std::vector<Vec2> greatestAlpha_;    // [materials] deformed
+    std::vector<float> leastAlpha_;      // [materials] deformed
     std::vector<BvhForecast> forecasts_; // [objects]
     PlannedScene planned_;
 };
@@ -179,6 +190,8 @@ ScenePlan defaultPlan(const Scene &scene) {
         plan.meshes.push_back(std::move(mesh));
     }
     plan.materials.resize(scene.materials.size());
+    for (const Material &material : scene.materials)
+        plan.details.push_back({material.detail == TextureDetail::Moments ? TextureDetail::Moments : TextureDetail::Map, 0, {}});
     plan.bvh = chooseBvh(scene, levelsOf(plan));
     return plan;
 }

@@ -32,9 +32,17 @@ struct MultiscatterPlan {
     std::optional<Question> question;        ///< how it came to that; none where the material says itself
 };
 
+/// How the textures of a material with a map of slopes are looked up.
+struct DetailPlan {
+    TextureDetail detail = TextureDetail::Map; ///< Map or Moments
+    float error = 0;                           ///< predicted
+    std::optional<Question> question;          ///< how it came to that; none where there is no map, or the material says itself
+};
+
 struct ScenePlan {
     std::vector<MeshPlan> meshes;            ///< [scene.objects]
     std::vector<MultiscatterPlan> materials; ///< [scene.materials]
+    std::vector<DetailPlan> details;         ///< [scene.materials]
     float bearableWaste = kBearableWaste;    ///< of the sampler of reflections
     BvhKind bvh = BvhKind::Rebuild;          ///< of what deforms, where more than one frame is asked for
     float tolerance = 0;

@@ -25,6 +25,8 @@ constexpr ValueNames kValues[] = {
     {Multiscatter::Auto, "by each hit's M", "compensation where M asks for it"},
     {BvhKind::Refit, "refit"},
     {BvhKind::Rebuild, "rebuild"},
+    {TextureDetail::Moments, "moments", "moments over each pixel's footprint"},
+    {TextureDetail::Map, "map", "the map itself"},
 };
 
 struct QuestionNames {
@@ -38,6 +40,7 @@ constexpr std::array<QuestionNames, std::variant_size_v<ChoiceValue>> kQuestions
     {"gradient", "ns a vertex"},
     {"multiscatter", "ns a hit at equal noise"},
     {"bvh", "ms a frame, slower rays included"},
+    {"texture detail", "samples for equal noise"},
 }};
 
 const QuestionNames &namesOf(const Question &question) {

@@ -3,6 +3,7 @@
 
 #include "taut/bsdf/multiscatter_choice.h"
 #include "taut/deform/estimators.h"
+#include "taut/scene/material.h"
 
 #include <string>
 #include <variant>
@@ -31,7 +32,7 @@ enum class BvhKind {
 };
 
 /// The kind of value says which question it answers.
-using ChoiceValue = std::variant<SubdivisionLevel, StretchModel, GradientInterpolation, GradientEstimator, Multiscatter, BvhKind>;
+using ChoiceValue = std::variant<SubdivisionLevel, StretchModel, GradientInterpolation, GradientEstimator, Multiscatter, BvhKind, TextureDetail>;
 
 /// One way to do something, with what it is predicted to lose and to cost.
 struct Choice {
@@ -53,7 +54,7 @@ struct Question {
 /// Takes the cheapest choice whose error fits into what is left, and spends it. The last choice is the model itself, without error.
 void take(Question &question, float &left);
 
-/// "subdivision", "stretch", "interpolation", "gradient", "multiscatter" or "bvh".
+/// "subdivision", "stretch", "interpolation", "gradient", "multiscatter", "bvh" or "texture detail".
 std::string_view nameOf(const Question &question);
 /// The unit of its costs: "ns a hit", "ns a vertex" (and frame), ...
 std::string_view unitOf(const Question &question);

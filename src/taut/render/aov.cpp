@@ -33,12 +33,18 @@ Vec3 restPosition(const SurfacePoint &point) {
            at(point.corners.z) * point.barycentrics.z;
 }
 
-/// M in the frame whose x is the rotated tangent R t0 (polar decomposition A = V R) and whose z is the shading normal on the viewer's
-/// side.
+/// M, with its lean, in the frame whose z is the normal of the facet, the shading normal on the viewer's side where no map tilts it, and
+/// whose x is the rotated tangent R t0 (polar decomposition A = V R), made perpendicular to that.
 MicroTransform inTangentFrame(const SurfacePoint &point) {
     const MicroTransform &m = point.bsdf.micro;
-    const Vec2 t = point.tangent;
-    return microTransform(t.x * m.a, t.x * m.b + t.y * m.d, -t.y * m.a, t.x * m.d - t.y * m.b);
+    Vec2 t = point.tangent;
+    if (point.tilted) {
+        const Vec2 seen(point.facet.frame.toLocal(Vec3(t, 0)));
+        const float length = glm::length(seen);
+        if (length > 0) t = seen / length;
+    }
+    return microTransform(t.x * m.a, t.x * m.b + t.y * m.d, -t.y * m.a, t.x * m.d - t.y * m.b, t.x * m.p + t.y * m.q,
+                          t.x * m.q - t.y * m.p);
 }
 
 const std::vector<AovInfo> kTable{
@@ -50,6 +56,11 @@ const std::vector<AovInfo> kTable{
     {"shading_normal",
      {"Ns.X", "Ns.Y", "Ns.Z"},
      [](const RenderScene &s, const SurfacePoint &p, float *out) { put(out, worldVector(s, p.frame.n)); }},
+    {"facet_normal", // n' of a mapped facet, on the viewer's side
+     {"Nf.X", "Nf.Y", "Nf.Z"},
+     [](const RenderScene &s, const SurfacePoint &p, float *out) {
+         put(out, worldVector(s, p.tilted ? p.frame.fromLocal(p.facet.frame.n) : p.frame.n));
+     }},
     {"position",
      {"P.X", "P.Y", "P.Z"},
      [](const RenderScene &s, const SurfacePoint &p, float *out) { put(out, worldPoint(s, p.position)); }},
@@ -62,6 +73,12 @@ const std::vector<AovInfo> kTable{
      [](const RenderScene &, const SurfacePoint &p, float *out) {
          const MicroTransform m = inTangentFrame(p);
          put(out, Vec3(m.a, m.b, m.d));
+     }},
+    {"lean", // its third column
+     {"M.p", "M.q"},
+     [](const RenderScene &, const SurfacePoint &p, float *out) {
+         const MicroTransform m = inTangentFrame(p);
+         put(out, Vec2(m.p, m.q));
      }},
     {"stretch", // singular values of A
      {"Stretch.max", "Stretch.min"},

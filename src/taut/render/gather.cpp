@@ -69,6 +69,7 @@ void PathTracer::State::shadeAtOnce(int event, const PlainMaterial &material, st
     lanes::aim(l, scene.lights());
     lanes::connect(l, material);
     lanes::scatter(l, material);
+    const float coneAlpha = bsdfInfo(material.bsdf.type).microsurface ? std::sqrt(material.alphaX * material.alphaY) : 1.0F;
     for (std::size_t k = 0; k < chunk.size(); ++k) {
         Path &path = paths[l.path[k]];
         if (l.connects[k] > 0) {
@@ -79,6 +80,7 @@ void PathTracer::State::shadeAtOnce(int event, const PlainMaterial &material, st
         path.throughput = l.nextThroughput.at(k);
         path.etaScale = l.nextEtaScale[k];
         path.scatterPdf = l.scatterPdf[k];
+        if (hasCones) path.cone.scatter(hits[chunk[k]].t, coneAlpha);
         Ray next;
         next.origin = l.nextOrigin.at(k);
         next.direction = l.nextDirection.at(k);

@@ -248,6 +248,7 @@ PlainMaterial plainMaterial(const PreparedMaterial &prepared) {
     const Material &m = *prepared.material;
     const BsdfInfo &info = bsdfInfo(m.type);
     if (!info.lanes || m.unlit || m.vertexColors || m.color.texture != kNone || m.metallic.texture != kNone || m.poisson != 0) return plain;
+    if (m.slopes.isGiven() || m.roughening > 0) return plain;
     if (info.refracts && fresnel::isMatched(m.ior)) return plain; // passes light straight on (bsdf.h)
     plain.bsdf = bsdfOf(prepared, valuesOf(prepared, m.color.value), 1);
     if (info.microsurface) {

@@ -37,6 +37,7 @@ PathTracer::PathTracer(const RenderScene &scene, const std::vector<PreparedMater
     for (const RenderObject &object : scene.objects()) s.plainObjects.push_back(!settings.oneByOne && isPlain(object) ? 1 : 0);
     s.waiting.resize(materials.size());
     for (const PreparedMaterial &material : materials) s.hasMedia |= material.extinction != Vec3(0);
+    for (const PreparedMaterial &material : materials) s.hasCones |= material.filters;
 }
 PathTracer::~PathTracer() = default;
 

@@ -44,6 +44,7 @@ void PathTracer::State::addPaths() {
         path.sample = l.sample[i];
         path.seed = l.seed[i];
         path.time = l.time[i];
+        if (hasCones) path.cone = pixelCone(scene.camera(), settings.height);
         Ray &ray = rays[first + i];
         ray.origin = l.origin.at(i);
         ray.direction = l.direction.at(i);

@@ -7,6 +7,7 @@
 #include "taut/render/camera_rays.h"
 #include "taut/render/hit_lanes.h"
 #include "taut/render/integrator.h"
+#include "taut/render/ray_cone.h"
 
 namespace taut {
 
@@ -22,6 +23,7 @@ struct Path {
     float scatterPdf = 0; ///< of the ray under way; 0: a camera ray
     float etaScale = 1;
     Vec3 extinction{0}; ///< of the medium that the ray under way is in
+    RayCone cone;       ///< of the ray under way, where a material looks textures up by it
     float time = 0;     ///< within the shutter
     int x = 0, y = 0;
     std::uint32_t sample = 0;
@@ -70,6 +72,7 @@ struct PathTracer::State {
     std::unique_ptr<HitLanes> lanes = std::make_unique<HitLanes>();
 
     bool hasMedia = false; ///< a material attenuates light inside
+    bool hasCones = false; ///< a material looks textures up over footprints
 
     std::vector<Index> escaped; ///< positions in `active` of paths whose way out is still to be looked up
     EnvironmentLanes sky;
@@ -102,7 +105,7 @@ struct PathTracer::State {
     void prefetch(std::size_t i) const;
     void gather(std::size_t lane, std::size_t i);
     void shadeAtOnce(int event, const PlainMaterial &material, std::span<const Index> chunk);
-    void connectLight(int event, Index index, const SurfacePoint &point, const ScatteringPoint &scattering);
+    void connectLight(int event, Index index, const SurfacePoint &point, const FacetScattering &scattering);
     void testShadows(int event);
 };
 

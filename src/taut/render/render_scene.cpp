@@ -5,6 +5,7 @@
 #include "taut/deform/stored_gloss.h"
 #include "taut/render/place_lights.h"
 #include "taut/scene/check_scene.h"
+#include "taut/scene/texture_pyramid.h"
 
 #include <algorithm>
 
@@ -77,6 +78,7 @@ void RenderScene::prepare(bool animated, std::vector<ObjectSurface> surfaces) {
     sharePoses(scene_);
     const Scene &scene = scene_;
     check(scene);
+    for (Index m = 0; m < scene.materials.size(); ++m) addPyramids(m);
     objects_ = std::vector<RenderObject>(scene.objects.size());
     changed_.assign(objects_.size(), 1);
     for (std::size_t i = 0; i < objects_.size(); ++i) {
@@ -113,6 +115,19 @@ Index RenderScene::addInstance(const RenderObject &object) {
     return shared = embree_->addInstance(object.steps.front().positions, object.surface.triangles, object.placements);
 }
 
+/// What a material's textures need to be looked up over footprints.
+void RenderScene::addPyramids(Index index) {
+    if (index >= plan_.details.size() || plan_.details[index].detail != TextureDetail::Moments) return;
+    const Material &material = scene_.materials[index];
+    forEachTexture(material, [&](Index t) {
+        Texture &texture = scene_.textures[t];
+        if (!texture.pyramid && !texture.sampler.nearest) texture.pyramid = colourPyramid(texture);
+    });
+    for (const SlopeMap *map : {&material.slopes, &material.coatSlopes})
+        if (map->isGiven() && !scene_.textures[map->texture].slopes)
+            scene_.textures[map->texture].slopes = slopePyramid(scene_.textures[map->texture], map->kind);
+}
+
 /// Materials may have changed since the last frame.
 void RenderScene::askForSurfaces() {
     surfacesMayBeAbsent_ = false;
@@ -125,6 +140,19 @@ void RenderScene::askForSurfaces() {
     }
 }
 
+/// Likewise.
+void RenderScene::askForStrains() {
+    for (std::size_t i = 0; i < objects_.size(); ++i) {
+        RenderObject &object = objects_[i];
+        const std::vector<Index> &materials = object.object->materials;
+        const bool known = object.object->follow && object.storedPoisson.empty();
+        const bool roughens =
+            known && std::any_of(materials.begin(), materials.end(), [&](Index m) { return scene_.materialAt(m).roughening > 0; });
+        if (roughens && !object.roughens) changed_[i] = 1;
+        object.roughens = roughens;
+    }
+}
+
 void RenderScene::setFrame(double frame, StageTimes &times) {
     const RenderSettings &render = scene_.render;
     const DMat4 before = worldFromRender_;
@@ -133,6 +161,7 @@ void RenderScene::setFrame(double frame, StageTimes &times) {
     const bool stands = committed_ && frame == frame_ && worldFromRender_ == before;
     const DMat4 renderFromWorld = inverseOfRigid(worldFromRender_);
     moveCamera(frame, renderFromWorld);
+    askForStrains();
     for (Index i = 0; i < objects_.size(); ++i) {
         RenderObject &object = objects_[i];
         if (stands && changed_[i] == 0 && !object.object->points) {
@@ -202,6 +231,9 @@ void RenderScene::setCamera(Camera camera) {
 void RenderScene::setMaterial(Index material, Material value) {
     replace(scene_, entryOf(scene_.materials, material, "material"), std::move(value));
     plan_.materials[material] = {};
+    plan_.details[material] = {
+        scene_.materials[material].detail == TextureDetail::Moments ? TextureDetail::Moments : TextureDetail::Map, 0, {}};
+    addPyramids(material);
     for (RenderObject &object : objects_)
         if (!object.storedPoisson.empty()) object.storedPoisson = poissonOfVertices(scene_, object);
 }

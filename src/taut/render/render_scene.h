@@ -87,6 +87,8 @@ class RenderScene {
 
   private:
     void askForSurfaces();
+    void askForStrains();
+    void addPyramids(Index material);
     void moveCamera(double frame, const DMat4 &renderFromWorld);
 
     Index addInstance(const RenderObject &object);

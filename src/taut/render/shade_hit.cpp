@@ -4,21 +4,20 @@
 
 namespace taut {
 
-void PathTracer::State::connectLight(int event, Index index, const SurfacePoint &point, const ScatteringPoint &scattering) {
+void PathTracer::State::connectLight(int event, Index index, const SurfacePoint &point, const FacetScattering &scattering) {
     Path &path = paths[index];
     const LightSample light = sampleLight(scene.lights(), point.position, path.time, random1(path, dimensionOf(event, kLightChoice)),
                                           random2(path, dimensionOf(event, kLightPoint)));
     if (!(light.pdf > 0)) return;
     const Vec3 wi = point.frame.toLocal(light.direction);
     const float side = glm::dot(light.direction, point.geometricNormal);
-    if ((side > 0) != (wi.z > 0)) return; // shading and geometric normal disagree about the side: no light leaks
-    const auto [single, multiple] = scattering.evaluateParts(wi, walkSeed(path, point, dimensionOf(event, kLightPoint)));
-    const auto weighed = [&](const BsdfEval &part) {
-        if (!(part.pdf > 0)) return Vec3(0);
+    if (!scattering.mayLeave(wi, side > 0)) return;
+    Vec3 contribution(0);
+    scattering.forEachPart(wi, walkSeed(path, point, dimensionOf(event, kLightPoint)), [&](const BsdfEval &part) {
+        if (!(part.pdf > 0)) return;
         const float weight = light.delta ? 1.0F : powerHeuristic(light.pdf, part.pdf);
-        return path.throughput * part.fCos * light.radiance * (weight / light.pdf);
-    };
-    Vec3 contribution = weighed(single) + weighed(multiple) + weighed(scattering.evaluateBeside(wi));
+        contribution += path.throughput * part.fCos * light.radiance * (weight / light.pdf);
+    });
     if (path.extinction != Vec3(0) && side > 0 && light.distance < kInfinity) contribution *= glm::exp(-path.extinction * light.distance);
     if (!(maxComponent(contribution) > 0)) return;
     shadowRays.push_back(shadowRay(offsetOrigin(point, side > 0), point.position, light.direction, light.distance, path.time));
@@ -27,7 +26,8 @@ void PathTracer::State::connectLight(int event, Index index, const SurfacePoint 
 
 void PathTracer::State::shade(int event, Index index, const Ray &ray, const Hit &hit, const std::vector<Aov> &wanted, int aovChannels) {
     Path &path = paths[index];
-    const SurfacePoint point = surfacePointAt(scene, materials, hit, -ray.direction, path.time);
+    const float coneWidth = hasCones ? path.cone.widthAt(hit.t) : 0.0F;
+    const SurfacePoint point = surfacePointAt(scene, materials, hit, -ray.direction, path.time, coneWidth);
     if (path.scatterPdf == 0) {
         path.alpha = 1;
         path.hasAovs = true;
@@ -48,7 +48,7 @@ void PathTracer::State::shade(int event, Index index, const Ray &ray, const Hit 
     if (event >= settings.maxEvents || !point.scatters) return;
 
     const Vec3 wo = point.frame.toLocal(-ray.direction);
-    const ScatteringPoint scattering(point.bsdf, wo);
+    const FacetScattering scattering(point.bsdf, point.tilted ? &point.facet : nullptr, wo);
     connectLight(event, index, point, scattering);
 
     const auto sampled =
@@ -61,6 +61,7 @@ void PathTracer::State::shade(int event, Index index, const Ray &ray, const Hit 
     path.throughput *= sampled->weight;
     path.etaScale *= sampled->etaScale;
     path.scatterPdf = sampled->pdf;
+    if (hasCones) path.cone.scatter(hit.t, bsdfInfo(point.bsdf.type).microsurface ? 1 / std::sqrt(point.bsdf.micro.det) : 1.0F);
     if (sampled->transmitted && point.bsdf.refracts) path.extinction = point.extinction; // none beyond a back face
     const float chance = chanceToGoOn(path.throughput, path.etaScale);
     if (!(random1(path, dimensionOf(event, kRoulette)) < chance)) return;

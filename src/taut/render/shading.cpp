@@ -1,15 +1,28 @@
 #include "taut/render/shading.h"
 
+#include "taut/microsurface/roughening.h"
+#include "taut/render/facet.h"
+#include "taut/render/ray_cone.h"
 #include "taut/scene/material_gloss.h"
 
 namespace taut {
 
 namespace {
 
-Multiscatter multiscatterAt(const PreparedMaterial &prepared, const MicroTransform &m) {
+/// A facet of a map is seen at any angle: a grazing one loses this many times the average over views that its choice is made by.
+constexpr float kTiltedLoss = 5;
+
+Multiscatter multiscatterAt(const PreparedMaterial &prepared, const MicroTransform &m, bool tilted) {
     const Multiscatter model = multiscatterOf(*prepared.material, prepared.multiscatter.model);
     if (model != Multiscatter::Auto) return model;
-    return chooseMultiscatter(m, !bsdfInfo(prepared.material->type).compensates(), prepared.multiscatter.negligibleLoss);
+    const bool transmits = !bsdfInfo(prepared.material->type).compensates();
+    const float negligible = prepared.multiscatter.negligibleLoss;
+    if (!tilted) return chooseMultiscatter(m, transmits, negligible);
+    // A lean is no more than that much roughness: |M^-1 w| <= (1 + |lean|) / sigma.
+    const float lean = 1 + std::sqrt(m.p * m.p + m.q * m.q);
+    const MicroTransform bound = m.upright() ? m : canonicalTransform(m.a / lean, m.b / lean, m.d / lean);
+    const Multiscatter upright = chooseMultiscatter(bound, transmits, negligible / kTiltedLoss);
+    return upright == Multiscatter::Off || m.upright() ? upright : Multiscatter::Walk;
 }
 
 /// A material's values at a point.
@@ -42,19 +55,44 @@ MicroTransform microAt(const Material &material, const RestRoughness &rest, cons
     return transformAt(material, rest, point.stretch, point.tangent, sense, leans ? &point.lean : nullptr);
 }
 
-Bsdf bsdfAt(const PreparedMaterial &prepared, const Scene &scene, const SurfacePoint &point, float sense) {
+/// The facet that a map makes of the point for this rest roughness, roughened by its strain.
+HitFacet roughFacetAt(const Material &material, const RestRoughness &rest, const SlopeMap &map, const SlopePlace &place) {
+    const SurfacePoint &point = place.point;
+    const MicroTransform plain = microAt(material, rest, point, place.sense);
+    HitFacet facet = facetAt(material, rest, slopesAt(map, place), point, place.sense, plain);
+    if (point.strain > 0)
+        facet.micro = roughened(facet.micro, addedAlpha(static_cast<double>(point.strain), static_cast<double>(material.roughening),
+                                                        static_cast<double>(material.yield)));
+    return facet;
+}
+
+/// The coat's facet, in the frame of the base's.
+void setCoat(const Material &material, const SlopePlace &place, const HitFacet &base, Bsdf &bsdf) {
+    const float alpha = glm::clamp(sqr(evaluate(material.clearcoatRoughness, place.scene, place.point.uv)), kLeastAlpha, 1.0F);
+    const HitFacet coat = roughFacetAt(material, {alpha, alpha, 0}, material.coatSlopes, place);
+    bsdf.coatMicro = coat.micro;
+    bsdf.coatTilted = base.tilted || coat.tilted;
+    if (bsdf.coatTilted)
+        bsdf.coatFrame = {base.frame.toLocal(coat.frame.s), base.frame.toLocal(coat.frame.t), base.frame.toLocal(coat.frame.n)};
+}
+
+/// What scatters at the point, and the facet that it is on.
+void setBsdf(const PreparedMaterial &prepared, const SlopePlace &place, SurfacePoint &point) {
+    const Scene &scene = place.scene;
     const Material &material = *prepared.material;
-    Bsdf bsdf = bsdfOf(prepared, valuesAt(prepared, scene, point), point.facing);
-    if (!bsdfInfo(material.type).microsurface) return bsdf;
-    bsdf.micro = microAt(material, restRoughness(material, scene, point.uv), point, sense);
-    if (bsdf.coat > 0) {
-        const float alpha = glm::clamp(sqr(evaluate(material.clearcoatRoughness, scene, point.uv)), kLeastAlpha, 1.0F);
-        bsdf.coatMicro = microAt(material, {alpha, alpha, 0}, point, sense);
-    }
+    Bsdf &bsdf = point.bsdf = bsdfOf(prepared, valuesAt(prepared, scene, point), point.facing);
+    const bool glossy = bsdfInfo(material.type).microsurface;
+    if (!glossy && !material.slopes.isGiven()) return;
+    const RestRoughness rest = glossy ? restRoughness(material, scene, point.uv) : RestRoughness{1, 1, 0};
+    const HitFacet facet = roughFacetAt(material, rest, material.slopes, place);
+    point.tilted = facet.tilted;
+    if (facet.tilted) point.facet = {facet.frame, point.frame.toLocal(point.geometricNormal)};
+    if (!glossy) return;
+    bsdf.micro = facet.micro;
+    if (bsdf.coat > 0) setCoat(material, place, facet, bsdf);
     // As multiscatterOf() has it for a whole material, where a texture says so.
     const bool isPaint = bsdfInfo(material.type).reads(kMetallicKey) && bsdf.metallic == 0 && material.multiscatter == Multiscatter::Auto;
-    bsdf.multiscatter = isPaint ? Multiscatter::Off : multiscatterAt(prepared, bsdf.micro);
-    return bsdf;
+    bsdf.multiscatter = isPaint ? Multiscatter::Off : multiscatterAt(prepared, bsdf.micro, facet.tilted);
 }
 
 /// KHR_materials_volume: of white light the attenuation colour is left after the attenuation distance (Beer's law).
@@ -79,6 +117,12 @@ void deformationAt(const RenderObject &object, const HitCorners<false> &corners,
         point.stretch = decodeStretch(corners.stretchIsConstant() ? GradientInterpolation::Stretch : object.plan.interpolation,
                                       corners.stretch(), s, t);
     }
+    if (object.roughens) {
+        const float lambda = step.inverseLambda.empty() ? 1.0F : 1 / corners.interpolate(&SurfaceStep::inverseLambda);
+        const Vec3 v = point.stretch * lambda;
+        const Vec2 sigma = singularValues(v.x, v.y, v.y, v.z);
+        point.strain = static_cast<float>(equivalentStrain(static_cast<double>(sigma.x), static_cast<double>(sigma.y)));
+    }
     if (step.lean.empty()) return;
     const Vec3 lean = corners.interpolate(&SurfaceStep::lean) * point.facing;
     point.lean = {glm::dot(s, lean), glm::dot(t, lean)};
@@ -91,7 +135,8 @@ std::vector<PreparedMaterial> prepareMaterials(const Scene &scene, const ScenePl
     for (Index i = 0; i < std::max<std::size_t>(scene.materials.size(), 1); ++i) {
         const Material &material = scene.materialAt(i);
         prepared.push_back({&material, coatEscape(material.ior), i < plan.materials.size() ? plan.materials[i] : MultiscatterPlan{},
-                            plan.bearableWaste, extinctionOf(material)});
+                            plan.bearableWaste, extinctionOf(material),
+                            i < plan.details.size() && plan.details[i].detail == TextureDetail::Moments});
     }
     return prepared;
 }
@@ -124,7 +169,7 @@ Bsdf bsdfOf(const PreparedMaterial &prepared, const MaterialValues &values, floa
 }
 
 SurfacePoint surfacePointAt(const RenderScene &scene, const std::vector<PreparedMaterial> &materials, const Hit &hit, const Vec3 &wo,
-                            float time) {
+                            float time, float coneWidth) {
     SurfacePoint point;
     const RenderObject &object = scene.objects()[scene.objectOfGeometry(hit.geometry)];
     const Surface &surface = object.surface;
@@ -149,9 +194,18 @@ SurfacePoint surfacePointAt(const RenderScene &scene, const std::vector<Prepared
     if (!surface.colors.empty()) point.color = interpolated(surface.colors);
 
     const PreparedMaterial &material = materials[materialOfTriangle(object, hit.primitive)];
+    if (material.filters && coneWidth > 0) {
+        const bool mirrored = object.isMirrored(hit.primitive);
+        const auto footprint = [&](const std::vector<Vec2> &uvs) {
+            if (uvs.empty()) return UvFootprint{};
+            return footprintOf(at, wo, coneWidth, {uvs[t.x], uvs[mirrored ? t.z : t.y], uvs[mirrored ? t.y : t.z]});
+        };
+        point.uv.footprint = footprint(surface.uvs);
+        point.uv.secondFootprint = footprint(surface.uvs1);
+    }
     point.baseColor = evaluateShare(material.material->color, scene.scene(), point.uv);
     if (material.material->vertexColors) point.baseColor *= Vec3(point.color);
-    point.bsdf = bsdfAt(material, scene.scene(), point, geometry.sense);
+    setBsdf(material, {scene.scene(), point, at, geometry.sense}, point);
     if (point.bsdf.refracts && point.facing > 0) point.extinction = material.extinction;
     const Object &source = *object.object;
     point.scatters = !material.material->unlit;

@@ -2,7 +2,7 @@
 /// From a hit to what scatters there: shading frame, M from the interpolated stretch, and the material's parameters.
 
 #include "taut/base/frame.h"
-#include "taut/bsdf/bsdf.h"
+#include "taut/bsdf/tilted_facet.h"
 #include "taut/render/interpolation.h"
 #include "taut/render/render_scene.h"
 
@@ -15,6 +15,8 @@ struct SurfacePoint {
     float clearance = 0;  ///< distance from the surface at which a ray may start, see offsetOrigin()
     Frame frame;          ///< shading frame: a function of the shading normal alone, so that nothing sampled in it depends on how
                           ///< the surface is parametrised; n on the geometric normal's side
+    TiltedFacet facet;    ///< that of `bsdf`, where a map tilts it
+    bool tilted = false;  ///< else the facet is the mesh
     Bsdf bsdf;
     UvPoint uv;
     Vec4 color{1};        ///< of the mesh itself, linear RGBA
@@ -26,6 +28,7 @@ struct SurfacePoint {
     Vec3 stretch{1, 0, 1}; ///< V in the frame: ss, st, tt
     Vec2 lean{0};          ///< column 3 of M in the frame; zero unless the mesh leans
     Vec2 tangent{1, 0};    ///< R t0, the rotated tangent, in the frame; unit
+    float strain = 0;      ///< equivalentStrain() of A, where a material asks for it
     Vec3 baseColor{0};
     const RenderObject *object = nullptr;
     Index3 corners{0};
@@ -39,6 +42,7 @@ struct PreparedMaterial {
     MultiscatterPlan multiscatter;
     float bearableWaste = kBearableWaste; ///< the plan's
     Vec3 extinction{0};                   ///< of its volume
+    bool filters = false;                 ///< textures are looked up over footprints
 };
 /// At least one, for objects without a material.
 std::vector<PreparedMaterial> prepareMaterials(const Scene &scene, const ScenePlan &plan);
@@ -50,9 +54,10 @@ MaterialValues valuesOf(const PreparedMaterial &prepared, const Vec3 &color);
 /// facets are the caller's.
 Bsdf bsdfOf(const PreparedMaterial &prepared, const MaterialValues &values, float facing);
 
-/// Fills the point for a hit at a time in the shutter. `wo` is the unit direction back along the ray.
+/// Fills the point for a hit at a time in the shutter. `wo` is the unit direction back along the ray, `coneWidth` what a pixel sees there
+/// (ray_cone.h), in units of length across the ray; 0: a point.
 SurfacePoint surfacePointAt(const RenderScene &scene, const std::vector<PreparedMaterial> &materials, const Hit &hit, const Vec3 &wo,
-                            float time = 0);
+                            float time = 0, float coneWidth = 0);
 
 /// The point moved off the surface, to the viewer's side or the other, far enough that a ray from there does not meet it again.
 inline Vec3 offsetOrigin(const SurfacePoint &point, bool viewersSide) {

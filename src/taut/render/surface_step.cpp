@@ -46,6 +46,7 @@ void fillStep(RenderObject &object, SurfaceStep &out) {
     const bool plain = object.object->follow && !leans && !vectors && !stored && plan.interpolation == GradientInterpolation::Stretch;
     if (tensors && out.stretch.size() != count) out.stretch.resize(count);
     if (leans && out.lean.size() != count) out.lean.resize(count);
+    if (leans && object.roughens && out.inverseLambda.size() != count) out.inverseLambda.resize(count);
     if (vectors && out.ds.size() != count) {
         out.ds.resize(count);
         out.dt.resize(count);
@@ -71,6 +72,7 @@ void fillStep(RenderObject &object, SurfaceStep &out) {
             const Lean lean = leanOf(object.gradient.normalImage[surface.vertexSurface[v]], g.n);
             scale = lean.inverseLambda;
             out.lean[v] = lean.tangential;
+            if (object.roughens) out.inverseLambda[v] = scale;
         }
         if (vectors) {
             out.ds[v] = g.ds * scale;

@@ -14,6 +14,7 @@ struct SurfaceStep {
     std::vector<SymmetricTensor> stretch; ///< [vertices] V over lambda in the form of the interpolation scheme; [triangles] V
                                           ///< where it is constant on faces; one element: the whole mesh's; empty: the identity
     std::vector<Vec3> lean;               ///< [vertices] tangential part of F n0, over lambda
+    std::vector<float> inverseLambda;     ///< [vertices] that V is already multiplied by, where it leans and roughens
     std::vector<Vec3> ds, dt;             ///< [vertices] with the scheme DsDt
 };
 
@@ -22,6 +23,7 @@ struct RenderObject : ObjectSurface {
     MeshPlan plan;
     std::vector<SurfaceStep> steps; ///< equally spaced over the shutter; one without motion blur
     bool rigid = false;
+    bool roughens = false; ///< one of its materials does, by the strain of A, and A is known (no stored M, `follow`)
     bool moved = true; ///< by the last frame that it was brought to
     Index geometry = kNone;
     bool mayBeAbsent = false; ///< where one of its materials is (mayBeAbsent); traversal asks about each of its hits then

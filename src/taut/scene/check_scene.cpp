@@ -56,6 +56,11 @@ class SceneCheck {
         checkVector(at, member, DVec3(param.value), param.texture == kNone ? range : kAnyNumber);
     }
 
+    void checkSlopes(const Part &at, std::string_view member, const SlopeMap &map) const {
+        checkOptionalIndex(at, member, map.texture, scene_.textures.size(), "textures");
+        checkNumber(at, member, map.scale, kAnyNumber);
+    }
+
     void checkTexture(const Part &at, const Texture &texture) const {
         checkInteger(at, "width", texture.width, kImageSide);
         checkInteger(at, "height", texture.height, kImageSide);
@@ -83,6 +88,10 @@ class SceneCheck {
                     material.anisotropyTexture == kNone ? kUnitInterval : kAnyNumber);
         checkNumber(at, "poisson", material.poisson, kPoisson);
         at.failOn("multiscatter", mistakeInMultiscatter(material));
+        checkSlopes(at, "slopes", material.slopes);
+        checkSlopes(at, "coatSlopes", material.coatSlopes);
+        checkNumber(at, "roughening", material.roughening, kNotNegative);
+        checkNumber(at, "yield", material.yield, kNotNegative);
         checkPresence(at, material);
         checkLayers(at, material);
     }

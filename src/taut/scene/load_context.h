@@ -69,6 +69,8 @@ void loadEnvironment(LoadContext &context, const TomlValue &section);
 void loadCamera(LoadContext &context, const TomlValue *section, const std::string &fallbackGltf);
 
 void loadMaterials(LoadContext &context, const TomlValue &section);
+/// Says how many texels of a normal map are none (slope_texture.h).
+void warnOfSteepNormals(LoadContext &context, const std::string &where, Index texture);
 /// Brushed steel, for what has no material.
 Index defaultMaterial(LoadContext &context);
 /// The scene material that a key names.

@@ -65,6 +65,11 @@ struct MaterialTextures {
     [[nodiscard]] FloatParam number(float factor, const GltfTextureRef &ref, int channel) const {
         return {factor, find(ref, ColorSpace::Linear).index, channel};
     }
+    [[nodiscard]] SlopeMap normals(float scale, const GltfTextureRef &ref) const {
+        const Index texture = find(ref, ColorSpace::Linear).index;
+        if (texture != kNone) warnOfSteepNormals(context, file.path + ": material " + quoted(material), texture);
+        return {SlopeMap::Kind::Normal, texture, scale};
+    }
     [[nodiscard]] ColorParam color(const Vec3 &factor, const GltfTextureRef &ref) const {
         return {factor, find(ref, ColorSpace::Srgb).index};
     }
@@ -93,6 +98,7 @@ void setLobes(const MaterialTextures &textures, const GltfMaterial &from, Materi
     if (from.transmission > 0 && !material.thinWalled) material.doubleSided = true;
     material.clearcoat = used(textures.number(from.clearcoat, from.clearcoatTexture, 0));
     material.clearcoatRoughness = textures.number(from.clearcoatRoughness, from.clearcoatRoughnessTexture, 1);
+    if (material.clearcoat.value > 0) material.coatSlopes = textures.normals(from.clearcoatNormalScale, from.clearcoatNormalTexture);
     material.sheenColor = used(textures.color(from.sheenColor, from.sheenColorTexture));
     material.sheenRoughness = textures.number(from.sheenRoughness, from.sheenRoughnessTexture, 3);
     material.iridescence = used(textures.number(from.iridescence, from.iridescenceTexture, 0));
@@ -117,6 +123,7 @@ Material toMaterial(LoadContext &context, const GltfFile &file, const GltfMateri
     material.anisotropyTexture = textures.find(from.anisotropyTexture, ColorSpace::Linear).index;
     material.ior = from.ior;
     material.unlit = from.unlit;
+    material.slopes = textures.normals(from.normalScale, from.normalTexture);
     setOpacity(from, material);
     setLobes(textures, from, material);
     return material;

@@ -1,5 +1,7 @@
 #include "taut/bsdf/metals.h"
 #include "taut/scene/load_context.h"
+#include "taut/scene/material_presets.h"
+#include "taut/scene/slope_texture.h"
 
 namespace taut {
 
@@ -9,30 +11,49 @@ bool isTexture(const TomlValue &value) {
     return value.kind == TomlValue::Kind::Table;
 }
 
+/// One number, or two along u and v.
+DVec2 toTiles(const TomlValue &value) {
+    if (value.kind != TomlValue::Kind::Array) return DVec2(toNumber(value, kPositive));
+    const auto &pair = toArray(value, 2, "a number above 0 or a pair of them");
+    return {toNumber(pair[0], kPositive), toNumber(pair[1], kPositive)};
+}
+
 struct TextureUse {
     Index texture = kNone;
     int channel = 0;
     DVec3 scale{1};
 };
 
-/// { file, channel, color_space, scale, repeat }. `automatic` is what color_space = "auto" means here: a colour's 8-bit image
+/// What becomes of an image beside its decoding: `name` tells it from others.
+struct TextureMaking {
+    std::string name{};
+    Texture (*make)(const Texture &image, int channel) = nullptr;
+};
+
+/// { file, channel, color_space, scale, repeat, tile }. `automatic` is what color_space = "auto" means here: a colour's 8-bit image
 /// is sRGB, a number's is not.
-TextureUse loadTexture(LoadContext &context, const TomlValue &value, ColorSpace automatic, double defaultScale) {
-    TableReader table(value, "of a texture", {"file", "channel", "color_space", "scale", "repeat"});
+TextureUse loadTexture(LoadContext &context, const TomlValue &value, ColorSpace automatic, double defaultScale,
+                       const TextureMaking &making = {}) {
+    TableReader table(value, "of a texture", {"file", "channel", "color_space", "scale", "repeat", "tile"});
     TextureUse use;
     use.scale = DVec3(defaultScale);
     ColorSpace space = automatic;
     bool repeat = true;
+    DVec2 tile(1);
     table.read("channel", use.channel, oneOf<int>({{"r", 0}, {"g", 1}, {"b", 2}, {"a", 3}}));
     table.read("color_space", space, oneOf<ColorSpace>({{"auto", automatic}, {"srgb", ColorSpace::Srgb}, {"linear", ColorSpace::Linear}}));
     table.read("scale", use.scale, tripleIn(kAnyNumber));
     table.read("repeat", repeat);
+    table.read("tile", tile, toTiles);
     const std::string path = filePath(context, table.required("file", "file = \"image.png\""));
-    const std::string key = path + "|" + std::to_string(static_cast<int>(space)) + (repeat ? "|repeat" : "|clamp");
+    const std::string key = path + "|" + std::to_string(static_cast<int>(space)) + (repeat ? "|repeat" : "|clamp") + "|" +
+                            formatNumber(tile.x) + "|" + formatNumber(tile.y) +
+                            (making.make != nullptr ? "|" + making.name + std::to_string(use.channel) : "");
     use.texture = addTexture(context, key, [&] {
         Texture texture = readTexture(path, space, context.warnings);
         if (!repeat) texture.sampler.wrapU = texture.sampler.wrapV = TextureWrap::Clamp;
-        return texture;
+        if (tile != DVec2(1)) setTextureTransform(texture.sampler, {0, 1 - static_cast<float>(tile.y)}, 0, Vec2(tile));
+        return making.make != nullptr ? making.make(texture, use.channel) : texture;
     });
     return use;
 }
@@ -101,6 +122,41 @@ Multiscatter toMultiscatter(const TomlValue &value, Material material) {
     return material.multiscatter;
 }
 
+Texture bumpSlopes(const Texture &heights, int channel) {
+    return slopesFromHeights(heights, channel, SlopeMap::Kind::Bump);
+}
+Texture heightSlopes(const Texture &heights, int channel) {
+    return slopesFromHeights(heights, channel, SlopeMap::Kind::Height);
+}
+
+SlopeMap toSlopeMap(LoadContext &context, const TomlValue &value, SlopeMap::Kind kind) {
+    if (!isTexture(value)) failInput(value.where, describe(value), "a texture { file = \"image.png\" }");
+    TextureMaking making;
+    if (kind == SlopeMap::Kind::Bump) making = {"bump", bumpSlopes};
+    if (kind == SlopeMap::Kind::Height) making = {"height", heightSlopes};
+    const TextureUse use = loadTexture(context, value, ColorSpace::Linear, 1, making);
+    if (use.scale.x != use.scale.y || use.scale.x != use.scale.z) failInput(value.find("scale")->where, "three scales", "one number here");
+    if (kind != SlopeMap::Kind::Normal) return {kind, use.texture, static_cast<float>(use.scale.x)};
+    if (const TomlValue *channel = value.find("channel"))
+        failInput(channel->where, "a channel of a normal map", "a texture without 'channel' here");
+    warnOfSteepNormals(context, value.where.text(), use.texture);
+    return {kind, use.texture, static_cast<float>(use.scale.x)};
+}
+
+/// Keys of the mesostructure.
+void readSlopes(LoadContext &context, TableReader &table, Material &material) {
+    table.exclusive("normal", "bump");
+    table.exclusive("normal", "height");
+    table.exclusive("bump", "height");
+    const auto map = [&](SlopeMap::Kind kind) { return [&context, kind](const TomlValue &v) { return toSlopeMap(context, v, kind); }; };
+    table.read("normal", material.slopes, map(SlopeMap::Kind::Normal));
+    table.read("bump", material.slopes, map(SlopeMap::Kind::Bump));
+    table.read("height", material.slopes, map(SlopeMap::Kind::Height));
+    table.read("detail", material.detail,
+               oneOf<TextureDetail>({{"auto", TextureDetail::Auto}, {"map", TextureDetail::Map}, {"moments", TextureDetail::Moments}}));
+    table.read("facets", material.facets, oneOf<FacetModel>({{"lean", FacetModel::Leans}, {"bend", FacetModel::Bends}}));
+}
+
 /// Keys of what has a microsurface.
 void readMicrosurface(LoadContext &context, TableReader &table, Material &material) {
     if (const TomlValue *alpha = table.find("alpha")) loadAlpha(context, *alpha, material);
@@ -108,6 +164,8 @@ void readMicrosurface(LoadContext &context, TableReader &table, Material &materi
     table.read("masking", material.masking, oneOf<Masking>({{"correlated", Masking::Correlated}, {"separable", Masking::Separable}}));
     table.read("multiscatter", material.multiscatter, [&](const TomlValue &v) { return toMultiscatter(v, material); });
     table.read("poisson", material.poisson, numberIn(kPoisson));
+    table.read("roughening", material.roughening, numberIn(kNotNegative));
+    table.read("yield", material.yield, numberIn(kNotNegative));
 }
 
 void readMetallicRoughness(LoadContext &context, TableReader &table, Material &material) {
@@ -136,6 +194,7 @@ void readLayers(LoadContext &context, TableReader &table, Material &material) {
     table.read("attenuation_distance", material.attenuationDistance, numberIn(kPositive));
     table.read("clearcoat", material.clearcoat, share);
     table.read("clearcoat_roughness", material.clearcoatRoughness, share);
+    table.read("clearcoat_normal", material.coatSlopes, [&](const TomlValue &v) { return toSlopeMap(context, v, SlopeMap::Kind::Normal); });
     table.read("sheen_color", material.sheenColor, color);
     table.read("sheen_roughness", material.sheenRoughness, share);
     table.read("iridescence", material.iridescence, share);
@@ -157,6 +216,15 @@ void readPresence(LoadContext &context, TableReader &table, Material &material) 
     table.read("unlit", material.unlit);
 }
 
+Material toPreset(const TomlValue &value) {
+    std::vector<std::string_view> names;
+    for (const MaterialPreset &preset : materialPresets()) {
+        names.push_back(preset.name);
+        if (preset.name == toText(value)) return preset.material;
+    }
+    failUnknownName(value.where, value.text, names);
+}
+
 /// Of kinds of one name the first.
 BsdfType toBsdfType(const TomlValue &value) {
     Names<BsdfType> names;
@@ -167,7 +235,8 @@ BsdfType toBsdfType(const TomlValue &value) {
 
 Material loadMaterial(LoadContext &context, const std::string &name, const TomlValue &value) {
     TableReader table(value, "[material." + name + "]",
-                      {"type",
+                      {"preset",
+                       "type",
                        "metal",
                        "f0",
                        "color",
@@ -180,6 +249,13 @@ Material loadMaterial(LoadContext &context, const std::string &name, const TomlV
                        "poisson",
                        "masking",
                        "multiscatter",
+                       "normal",
+                       "bump",
+                       "height",
+                       "detail",
+                       "facets",
+                       "roughening",
+                       "yield",
                        "opacity",
                        "alpha_mode",
                        "alpha_cutoff",
@@ -193,12 +269,14 @@ Material loadMaterial(LoadContext &context, const std::string &name, const TomlV
                        "attenuation_distance",
                        "clearcoat",
                        "clearcoat_roughness",
+                       "clearcoat_normal",
                        "sheen_color",
                        "sheen_roughness",
                        "iridescence",
                        "iridescence_ior",
                        "iridescence_thickness"});
     Material material;
+    if (const TomlValue *preset = table.find("preset")) material = toPreset(*preset);
     material.name = name;
     table.read("type", material.type, toBsdfType);
     const BsdfInfo &kind = bsdfInfo(material.type);
@@ -206,6 +284,7 @@ Material loadMaterial(LoadContext &context, const std::string &name, const TomlV
     if (kind.reads(kF0Key)) {
         table.exclusive("metal", "f0");
         if (const TomlValue *metal = table.find("metal")) loadMetal(*metal, material);
+        if (table.find("f0") != nullptr) material.type = BsdfType::Conductor;
         table.read("f0", material.color, color);
     } else {
         table.read("color", material.color, color);
@@ -216,6 +295,7 @@ Material loadMaterial(LoadContext &context, const std::string &name, const TomlV
         readMetallicRoughness(context, table, material);
         readLayers(context, table, material);
     }
+    readSlopes(context, table, material);
     readPresence(context, table, material);
     table.finish();
     return material;
@@ -247,6 +327,14 @@ ColorParam toColorParam(LoadContext &context, const TomlValue &value, const Rang
         param.value = Vec3(toTriple(value, range));
     }
     return param;
+}
+
+void warnOfSteepNormals(LoadContext &context, const std::string &where, Index texture) {
+    const Texture &normals = context.scene.textures[texture];
+    if (const std::size_t count = countTooSteep(normals); count > 0)
+        context.warnings.add(where + ": " + std::to_string(count) + " of " +
+                             std::to_string(normals.texels.size() / static_cast<std::size_t>(normals.channels)) +
+                             " normals are steeper than 84 degrees, or no normals, and are held there");
 }
 
 void loadMaterials(LoadContext &context, const TomlValue &section) {

@@ -58,6 +58,15 @@ void warnOfTurnedNormals(LoadContext &context) {
     }
 }
 
+/// TangentOfMaps, where a material asks for it.
+void setMapTangents(Scene &scene) {
+    for (Object &object : scene.objects)
+        object.mapTangents = std::any_of(object.materials.begin(), object.materials.end(), [&](Index m) {
+            const Material &material = scene.materials[m];
+            return material.slopes.isGiven() || material.coatSlopes.isGiven();
+        });
+}
+
 /// More frames than anyone renders.
 constexpr double kMostClipFrames = 1e6;
 
@@ -106,6 +115,7 @@ Scene loadScene(SceneTree tree, const std::vector<std::string> &overrides, Warni
         if (object.subdivision.level > 0 && !object.mesh->storedM.empty())
             context.warnings.add("mesh " + quoted(object.name) + ": its stored M is left out under subdivision");
     warnOfTurnedNormals(context);
+    setMapTangents(context.scene);
     check(context.scene);
     return std::move(context.scene);
 }

@@ -23,6 +23,27 @@ struct ColorParam {
 
 enum class Masking { Correlated, Separable };
 
+/// Slopes between the mesh and the microsurface, in the frame of its tangents (x along dP/du): a normal map, or heights.
+struct SlopeMap {
+    enum class Kind : std::uint8_t {
+        Normal, ///< tangent-space normals as glTF stores them, y up: 2 texel - 1
+        Bump,   ///< heights in widths of the image, whose texels are square on the surface; the texture holds slopes (slope_texture.h)
+        Height, ///< heights in metres at rest; likewise, per unit of u and v
+    };
+    Kind kind = Kind::Normal;
+    Index texture = kNone; ///< kNone: the mesh's own normals
+    float scale = 1;       ///< of the slopes
+    [[nodiscard]] bool isGiven() const { return texture != kNone; }
+};
+
+/// How a material's textures are looked up. Map: at the point. Moments: over what a pixel sees, slopes by their mean and covariance
+/// (microsurface/mesostructure.h). Auto: a plan's choice for maps of slopes, the map where nobody plans.
+enum class TextureDetail : std::uint8_t { Map, Moments, Auto };
+
+/// What a mapped facet does under a deformation. Leans: its micro-geometry is carried along (microsurface/mesostructure.h). Bends: what
+/// most renderers do, for comparison: its normal turns, and the gloss is that of the mesh.
+enum class FacetModel { Leans, Bends };
+
 /// What becomes of opacity (glTF's alphaMode). Mask: below Material::alphaCutoff there is no surface, above it there is all of it. Blend:
 /// that share of the light meets the surface, the rest goes on as if there were none.
 enum class AlphaMode { Opaque, Mask, Blend };
@@ -45,6 +66,12 @@ struct Material {
     float poisson = 0; ///< [-1, 0.5]: lambda = det(A)^(-nu/(1-nu)); -1: the normal stretches as the surface does
     Masking masking = Masking::Correlated;
     Multiscatter multiscatter = Multiscatter::Auto;
+    SlopeMap slopes;     ///< of all kinds
+    SlopeMap coatSlopes; ///< metallic-roughness: of the clear coat, which follows no other
+    FacetModel facets = FacetModel::Leans;
+    TextureDetail detail = TextureDetail::Auto;
+    float roughening = 0; ///< alpha per unit of equivalent strain beyond `yield` (microsurface/roughening.h)
+    float yield = 0;      ///< strain
 
     FloatParam opacity{1}; ///< share of the surface that is there (glTF: alpha of the base colour, channel 3 of its texture)
     AlphaMode alphaMode = AlphaMode::Opaque;
@@ -70,6 +97,14 @@ struct Material {
     float iridescenceMax = 400;            ///< and where it is 1
     FloatParam thickness{1};               ///< of the film, from min to max; a file without its texture means the maximum
 };
+
+/// use(index of a texture) for those of a material's colours and numbers, not its slopes.
+template <class Use> void forEachTexture(const Material &material, const Use &use) {
+    const auto ask = [&](const auto &...params) { ((params.texture != kNone ? use(params.texture) : void()), ...); };
+    ask(material.color, material.alphaX, material.alphaY, material.rotation, material.metallic, material.opacity, material.specular,
+        material.specularColor, material.transmission, material.clearcoat, material.clearcoatRoughness, material.sheenColor,
+        material.sheenRoughness, material.iridescence, material.thickness);
+}
 
 /// Whether rays may pass the surface as if there were none.
 inline bool mayBeAbsent(const Material &material) {

@@ -48,6 +48,7 @@ void prepareObjectSurface(const Object &object, double fps, GradientEstimator es
     options.restFromObject = restFromObject(object);
     options.smooth = object.smooth;
     options.weld = object.rig.has_value();
+    options.mapTangents = object.mapTangents;
     options.fit = fitOf(estimator);
     if (subdivisionLevel > 0) {
         SubdivisionOptions subdivision = object.subdivision;

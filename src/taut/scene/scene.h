@@ -78,10 +78,11 @@ struct Object {
     std::vector<DeformerKeys> deformers;       ///< in the object's space, before the placement (of a rig: in the rig's space)
     Placement placement;
     SubdivisionOptions subdivision;
-    bool planLevel = false; ///< the plan chooses subdivision.level; what that holds is for those who do not plan
-    bool smooth = true;     ///< without file normals: smooth normals; false: faceted
-    bool follow = true;     ///< false: roughness held fixed on the deformed tangent frame
-    bool lean = false;      ///< deformers move the space above the surface too: M takes their shear and stretch along the normal
+    bool planLevel = false;   ///< the plan chooses subdivision.level; what that holds is for those who do not plan
+    bool smooth = true;       ///< without file normals: smooth normals; false: faceted
+    bool mapTangents = false; ///< a material has a map of normals: tangents are those it was baked for (policy TangentOfMaps)
+    bool follow = true;       ///< false: roughness held fixed on the deformed tangent frame
+    bool lean = false;        ///< deformers move the space above the surface too: M takes their shear and stretch along the normal
     std::optional<GradientEstimator> gradient;          ///< none: the plan chooses
     std::optional<GradientInterpolation> interpolation; ///< none: the plan chooses
     RestState rest;

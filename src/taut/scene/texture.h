@@ -34,6 +34,8 @@ class SharedTexels {
     const float *data_ = nullptr; // one step less at each lookup
 };
 
+class TexturePyramid;
+
 /// Texels in rows from the TOP, `channels` floats each (1, 3 or 4), scene-linear.
 struct Texture {
     std::string name;
@@ -42,15 +44,26 @@ struct Texture {
     int channels = 3;
     SharedTexels texels;
     TextureSampler sampler;
+    // For those who look it up from afar (texture_pyramid.h); null: as it is.
+    std::shared_ptr<const TexturePyramid> pyramid{}; ///< of its channels
+    std::shared_ptr<const TexturePyramid> slopes{};  ///< of the moments of the slopes that it holds
+};
+
+/// What a pixel sees of a surface around a point, in texture coordinates: the axes of an ellipse, end to end. Zero: the point alone.
+struct UvFootprint {
+    Vec2 major{0}, minor{0};
+    [[nodiscard]] bool isGiven() const { return major != Vec2(0) || minor != Vec2(0); }
 };
 
 /// Texture coordinates at a point of a mesh, which may have two sets of them.
 struct UvPoint {
     Vec2 first{0};
     Vec2 second{0};
+    UvFootprint footprint{}, secondFootprint{};
     UvPoint() = default;
     UvPoint(const Vec2 &uv) : first(uv) {}
     [[nodiscard]] const Vec2 &set(int number) const { return number == 1 ? second : first; }
+    [[nodiscard]] const UvFootprint &footprintOf(int number) const { return number == 1 ? secondFootprint : footprint; }
 };
 
 /// Reads an image file: PNG, JPEG, OpenEXR, Radiance HDR, TIFF, WebP or BMP, told apart by its first bytes, or TGA, by its name. Alpha
@@ -69,9 +82,19 @@ Texture readRadiance(const std::string &path, Warnings &warnings);
 /// The texture at uv (v up: (0, 0) is the lower left corner), which its sampler moves and filters. Missing channels repeat the first
 /// (grey) and alpha is 1.
 Vec4 lookup(const Texture &texture, const Vec2 &uv);
+/// The mean over a footprint, where the texture has a pyramid.
+Vec4 lookup(const Texture &texture, const Vec2 &uv, const UvFootprint &footprint);
 /// At the set of UVs that the sampler reads.
 inline Vec4 lookup(const Texture &texture, const UvPoint &point) {
-    return lookup(texture, point.set(texture.sampler.uvSet));
+    const Vec2 &uv = point.set(texture.sampler.uvSet);
+    return texture.pyramid ? lookup(texture, uv, point.footprintOf(texture.sampler.uvSet)) : lookup(texture, uv);
 }
+
+/// The four texels of an image of that size that a bilinear lookup reads, and how far it is from the first to the second.
+struct BilinearPlace {
+    int column[2], row[2];
+    float u, v;
+};
+BilinearPlace bilinearPlace(const TextureSampler &sampler, const Vec2 &uv, int width, int height);
 
 } // namespace taut
