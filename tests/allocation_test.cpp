@@ -111,7 +111,7 @@ TEST_CASE("A second frame of a surface allocates nothing", "[allocation][surface
             std::vector<Vec3> refined;
             SurfaceGradient gradient;
             gradient.wantNormalImage = estimator == GradientEstimator::Analytic;
-            SurfaceFrame frame;
+            DeformedVertices frame;
             const auto run = [&, e = estimator] {
                 if (subdivided) {
                     evaluatePositions(motion, mesh.skin, cage);

@@ -189,7 +189,7 @@ void compareNormals(const std::string &path) {
         std::vector<std::pair<DVec3, DVec3>> start;
         for (const double share : kShares) {
             const double seconds = share * duration;
-            const SurfaceFrame surface = surfaceOf(ours, 1 + seconds * loaded.scene.render.fps, loaded.scene.render.fps);
+            const DeformedVertices surface = surfaceOf(ours, 1 + seconds * loaded.scene.render.fps, loaded.scene.render.fps);
             std::vector<std::pair<DVec3, DVec3>> expected;
             std::vector<std::pair<DVec3, DVec3>> either;
             for (const auto &primitive : reference.primitives(node)) {

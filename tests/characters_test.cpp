@@ -58,7 +58,7 @@ TEST_CASE("A character's constant armature scale changes no alpha", "[characters
         // Over a whole character the typical stretch of a pose is near one.
         std::vector<float> stretches;
         for (const Object &object : scene.objects) {
-            const SurfaceFrame surface = surfaceOf(object, 1);
+            const DeformedVertices surface = surfaceOf(object, 1);
             for (std::size_t v = 0; v < surface.ds.size(); ++v)
                 stretches.push_back(std::sqrt(glm::length(glm::cross(surface.ds[v], surface.dt[v]))));
         }
@@ -67,8 +67,8 @@ TEST_CASE("A character's constant armature scale changes no alpha", "[characters
         // And scaling everything by a constant changes no stretch at all.
         const Scene scaled = loadScene(*path, {"mesh.0.scale=100"}, warnings);
         for (std::size_t i = 0; i < scene.objects.size(); ++i) {
-            const SurfaceFrame a = surfaceOf(scene.objects[i], 1);
-            const SurfaceFrame b = surfaceOf(scaled.objects[i], 1);
+            const DeformedVertices a = surfaceOf(scene.objects[i], 1);
+            const DeformedVertices b = surfaceOf(scaled.objects[i], 1);
             for (std::size_t v = 0; v < a.ds.size(); ++v) {
                 const float size = std::fmax(glm::length(a.ds[v]), glm::length(a.dt[v]));
                 REQUIRE(glm::length(b.ds[v]) == Approx(glm::length(a.ds[v])).margin(1e-3F * size));

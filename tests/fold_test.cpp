@@ -25,11 +25,11 @@ std::vector<Vec2> stretches(const Object &object, double frame = 1) {
     double ignored = 0;
     surfaceAtFrame(surface, frame, 24, DMat4(1), ignored, ignored);
     std::vector<Vec2> out;
-    for (std::size_t v = 0; v < surface.frame.ds.size(); ++v) {
-        const Vec3 &ds = surface.frame.ds[v];
-        const Vec3 &dt = surface.frame.dt[v];
-        REQUIRE((isFinite(ds) && isFinite(dt) && isFinite(surface.frame.normals[v])));
-        CHECK(std::fabs(glm::dot(ds, surface.frame.normals[v])) < 1e-4F);
+    for (std::size_t v = 0; v < surface.vertices.ds.size(); ++v) {
+        const Vec3 &ds = surface.vertices.ds[v];
+        const Vec3 &dt = surface.vertices.dt[v];
+        REQUIRE((isFinite(ds) && isFinite(dt) && isFinite(surface.vertices.normals[v])));
+        CHECK(std::fabs(glm::dot(ds, surface.vertices.normals[v])) < 1e-4F);
         const float a = glm::length(ds);
         out.push_back(a > 0 ? singularValues(a, glm::dot(ds, dt) / a, 0, glm::length(glm::cross(ds, dt)) / a) : Vec2(0));
     }

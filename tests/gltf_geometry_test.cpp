@@ -22,7 +22,7 @@ GltfBuilder roofGltf() {
 }
 
 /// How many directions the render vertices' normals have, within rounding.
-std::size_t directionsOf(const SurfaceFrame &frame) {
+std::size_t directionsOf(const DeformedVertices &frame) {
     std::vector<Vec3> found;
     for (const Vec3 &n : frame.normals)
         if (std::none_of(found.begin(), found.end(), [&](const Vec3 &other) { return glm::length(other - n) < 1e-4F; })) found.push_back(n);
@@ -33,7 +33,7 @@ std::size_t directionsOf(const SurfaceFrame &frame) {
 std::set<std::array<int, 6>> surfaceSet(const Scene &scene) {
     std::set<std::array<int, 6>> all;
     for (const Object &object : scene.objects) {
-        const SurfaceFrame frame = surfaceOf(object, 1);
+        const DeformedVertices frame = surfaceOf(object, 1);
         for (std::size_t v = 0; v < frame.normals.size(); ++v) {
             std::array<int, 6> entry{};
             for (int c = 0; c < 3; ++c) {
@@ -62,7 +62,7 @@ TEST_CASE("faces without normals are flat under deformation too, unless they are
     primitive["targets"] = {{{"POSITION", b.addFloats("VEC3", {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, -1, 0, 0, -1})}}};
     b.json["meshes"][0]["weights"] = {1};
     const std::string path = writeTo(folder, "roof.gltf", b.gltf());
-    const SurfaceFrame bent = surfaceOf(loadFile(path).objects.at(0), 1);
+    const DeformedVertices bent = surfaceOf(loadFile(path).objects.at(0), 1);
     CHECK(directionsOf(bent) == 2);
     // The morphed half rises by 1 over 1: y up becomes z up, so (x, y, z) is (x, -z, y).
     const Vec3 slanted = Vec3(-1, -1, 0) / std::sqrt(2.0F);

@@ -55,12 +55,12 @@ inline Object shearedTorus(int around, int across) {
 }
 
 /// An object's surface at a frame, in world space.
-inline SurfaceFrame surfaceOf(const Object &object, double frame, double fps = 24) {
+inline DeformedVertices surfaceOf(const Object &object, double frame, double fps = 24) {
     ObjectSurface surface;
     prepareObjectSurface(object, fps, surface);
     double ignored = 0;
     surfaceAtFrame(surface, frame, fps, DMat4(1), ignored, ignored);
-    return surface.frame;
+    return surface.vertices;
 }
 
 /// The object with its points taken through a linear map: the largest difference of the metric that its surface vertices find from

@@ -67,7 +67,7 @@ TEST_CASE("A subdivided mesh is at rest where it is not deformed, and follows wh
     torus.subdivision.level = 3;
     const auto stretchRange = [](const Object &object) {
         Scene scene = smallScene(object, ggxMaterial(0.2F, 0.2F));
-        const SurfaceFrame frame = surfaceOf(scene.objects[0], 1);
+        const DeformedVertices frame = surfaceOf(scene.objects[0], 1);
         Vec2 range(kInfinity, 0);
         for (std::size_t v = 0; v < frame.ds.size(); ++v) {
             const float a = glm::length(frame.ds[v]);
@@ -99,7 +99,7 @@ TEST_CASE("A sequence of OBJ files moves, interpolates and carries its stretch",
     Warnings warnings;
     const Scene scene = loadScene(folder + "/scene.toml", {}, warnings);
     for (const auto &[frame, stretch] : {std::pair(1.0, 1.0F), std::pair(2.0, 2.0F), std::pair(3.0, 3.0F), std::pair(2.5, 2.5F)}) {
-        const SurfaceFrame surface = surfaceOf(scene.objects[0], frame);
+        const DeformedVertices surface = surfaceOf(scene.objects[0], frame);
         for (const Vec3 &ds : surface.ds) REQUIRE(glm::length(ds) == Approx(stretch).epsilon(1e-4));
         for (const Vec3 &dt : surface.dt) REQUIRE(glm::length(dt) == Approx(1).epsilon(1e-4));
     }

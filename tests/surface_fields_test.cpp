@@ -195,7 +195,7 @@ TEST_CASE("A point cache moves a mesh and its gloss", "[fields][cache]") {
         const Scene scene = loadScene(folder + "/scene.toml", {}, warnings);
         for (const auto &[frame, stretch] :
              {std::pair(1.0, 1.0F), std::pair(2.0, 2.0F), std::pair(2.5, 2.5F), std::pair(9.0, 3.0F), std::pair(-2.0, 1.0F)}) {
-            const SurfaceFrame surface = surfaceOf(scene.objects[0], frame);
+            const DeformedVertices surface = surfaceOf(scene.objects[0], frame);
             for (const Vec3 &ds : surface.ds) REQUIRE(glm::length(ds) == Approx(stretch).epsilon(1e-4));
             for (const Vec3 &dt : surface.dt) REQUIRE(glm::length(dt) == Approx(1).epsilon(1e-4));
         }

@@ -18,7 +18,7 @@ namespace {
 struct Evaluated {
     Surface surface;
     SurfaceGradient gradient;
-    SurfaceFrame frame;
+    DeformedVertices frame;
 };
 
 Evaluated evaluateMesh(const Mesh &mesh, const std::vector<DeformerKeys> &deformers, GradientEstimator estimator,
@@ -38,7 +38,7 @@ Evaluated evaluateMesh(const Mesh &mesh, const std::vector<DeformerKeys> &deform
 }
 
 /// Largest deviation of (ds, dt) from an orthonormal pair of length `scale`.
-float deviationFromRigid(const SurfaceFrame &frame, float scale = 1) {
+float deviationFromRigid(const DeformedVertices &frame, float scale = 1) {
     float worst = 0;
     for (std::size_t v = 0; v < frame.ds.size(); ++v) {
         const float s2 = scale * scale;
@@ -190,7 +190,7 @@ TEST_CASE("Skinning carries the gradient of its weights", "[surface][skin]") {
     motion.joints = {Affine(1), Affine(turn[0], turn[1], turn[2], Vec3(0.1F, 0.4F, -0.3F))};
     SurfaceGradient gradient;
     evaluateGradient(surface, motion, mesh.skin, GradientEstimator::Analytic, mesh.name, gradient);
-    SurfaceFrame frame;
+    DeformedVertices frame;
     spreadToVertices(surface, gradient, frame);
     for (std::size_t v = 0; v < frame.ds.size(); ++v) {
         const Vec3 x = mesh.positions[surface.surfacePosition[surface.vertexSurface[v]]];

@@ -120,7 +120,7 @@ class PointGloss {
         const Surface &surface = gloss_.surface.surface;
         const Index sourceA = gloss_.sources[a];
         const Index sourceB = gloss_.sources[b];
-        const Vec4 difference = surface.frameCoefficients[sourceA] - surface.frameCoefficients[sourceB];
+        const Vec4 difference = surface.tangentCoefficients[sourceA] - surface.tangentCoefficients[sourceB];
         return surface.vertexSurface[sourceA] == surface.vertexSurface[sourceB] && glm::dot(difference, difference) < kSame * kSame;
     }
 

@@ -42,7 +42,7 @@ class SurfaceStretches {
     std::vector<Vec3> deformed_, refined_; // points of the cage, and of the limit where a fit wants them
     std::vector<Vec3> metrics_;
     SurfaceGradient gradient_;
-    SurfaceFrame frame_;
+    DeformedVertices frame_;
     std::vector<SymmetricTensor> stretch_;
 };
 

@@ -15,13 +15,13 @@ struct PolarBlock {
     float coefficients[4][kSize]; ///< ds = x f1 + y f2, dt = z f1 + w f2
     float diagonal[3][kSize], offDiagonal[3][kSize], tangent[4][kSize];
 
-    void set(std::size_t i, const Vec3 &alongE1, const Vec3 &alongE2, const Vec3 &normal, const Vec4 &frameCoefficients) {
+    void set(std::size_t i, const Vec3 &alongE1, const Vec3 &alongE2, const Vec3 &normal, const Vec4 &tangentCoefficients) {
         for (int c = 0; c < 3; ++c) {
             f1[c][i] = alongE1[c];
             f2[c][i] = alongE2[c];
             n[c][i] = normal[c];
         }
-        for (int c = 0; c < 4; ++c) coefficients[c][i] = frameCoefficients[c];
+        for (int c = 0; c < 4; ++c) coefficients[c][i] = tangentCoefficients[c];
     }
     [[nodiscard]] PolarGradient at(std::size_t i) const {
         return {{{diagonal[0][i], diagonal[1][i], diagonal[2][i]}, {offDiagonal[0][i], offDiagonal[1][i], offDiagonal[2][i]}},

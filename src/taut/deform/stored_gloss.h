@@ -24,7 +24,7 @@ inline StoredColumns storedColumns(const Mesh &mesh, const Surface &surface, std
                                    bool follow, float poisson) {
     const Index tangent = surface.vertexTangents[v];
     const Vec3 m = tangent == kNone ? Vec3(10, 0, 10) : mesh.storedM[tangent]; // a corner that lacks it: alpha 0.1
-    const Vec4 &k = surface.frameCoefficients[v];
+    const Vec4 &k = surface.tangentCoefficients[v];
     const float restSide = k.x * k.w - k.y * k.z < 0 ? -1.0F : 1.0F; // b0 = restSide cross(n, t0)
     Vec3 s = ds;
     Vec3 t = dt * restSide; // image of cross(n, t0)

@@ -220,7 +220,7 @@ class Builder {
             if (hasUvs) surface_.uvs.push_back(sum.uv == kNone ? Vec2(0) : mesh_.uvs[sum.uv]);
             if (hasUvs && !mesh_.uvs1.empty()) surface_.uvs1.push_back(sum.uv == kNone ? Vec2(0) : mesh_.uvs1[sum.uv]);
             if (!mesh_.cornerColors.empty()) surface_.colors.push_back(sum.color == kNone ? Vec4(1) : mesh_.colors[sum.color]);
-            surface_.frameCoefficients.push_back(restFrame(sum));
+            surface_.tangentCoefficients.push_back(restFrame(sum));
             surface_.mirroredVertices += sum.mirrored ? 1 : 0;
             surface_.turnedVertices += sum.turned ? 1 : 0;
         }
@@ -362,7 +362,7 @@ void compact(Surface &surface, bool fits) {
     if (!fits) keepHinges(surface);
     const auto shrink = [](auto &...arrays) { (arrays.shrink_to_fit(), ...); };
     shrink(surface.triangles, surface.triangleSlots, surface.vertexSurface, surface.uvs, surface.uvs1, surface.colors,
-           surface.vertexTangents, surface.frameCoefficients, surface.surfacePosition, surface.normals, surface.morphedNormals,
+           surface.vertexTangents, surface.tangentCoefficients, surface.surfacePosition, surface.normals, surface.morphedNormals,
            surface.stencilOffsets, surface.stencilPositions, surface.stencilWeights, surface.stencilPoints, surface.slope,
            surface.ringOffsets, surface.ringFaces, surface.ringTilts, surface.weightGradientOffsets, surface.weightGradientJoints,
            surface.weightGradients, surface.hinges);

@@ -43,14 +43,14 @@ struct RingFace {
 
 struct Surface {
     // Render vertices.
-    std::vector<Index3> triangles;       ///< render vertices, counter-clockwise from outside
-    std::vector<Index> triangleSlots;    ///< material slot; empty: all 0
-    std::vector<Index> vertexSurface;    ///< [render vertices] -> surface vertex
-    std::vector<Vec2> uvs;               ///< [render vertices]; empty without UVs
-    std::vector<Vec2> uvs1;              ///< [render vertices] the second set; empty: none
-    std::vector<Vec4> colors;            ///< [render vertices] linear RGBA, 1 where a corner has none; empty without colours
-    std::vector<Index> vertexTangents;   ///< [render vertices] -> tangent of the mesh; empty where it has none
-    std::vector<Vec4> frameCoefficients; ///< [render vertices]: t0 = x e1 + y e2, b0 = z e1 + w e2
+    std::vector<Index3> triangles;         ///< render vertices, counter-clockwise from outside
+    std::vector<Index> triangleSlots;      ///< material slot; empty: all 0
+    std::vector<Index> vertexSurface;      ///< [render vertices] -> surface vertex
+    std::vector<Vec2> uvs;                 ///< [render vertices]; empty without UVs
+    std::vector<Vec2> uvs1;                ///< [render vertices] the second set; empty: none
+    std::vector<Vec4> colors;              ///< [render vertices] linear RGBA, 1 where a corner has none; empty without colours
+    std::vector<Index> vertexTangents;     ///< [render vertices] -> tangent of the mesh; empty where it has none
+    std::vector<Vec4> tangentCoefficients; ///< [render vertices]: t0 = x e1 + y e2, b0 = z e1 + w e2
 
     // Surface vertices.
     std::vector<Index> surfacePosition; ///< -> position

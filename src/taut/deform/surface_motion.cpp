@@ -367,7 +367,7 @@ void evaluatePositions(const MotionState &motion, const SkinWeights &skin, std::
     });
 }
 
-void spreadToVertices(const Surface &surface, const SurfaceGradient &gradient, SurfaceFrame &out) {
+void spreadToVertices(const Surface &surface, const SurfaceGradient &gradient, DeformedVertices &out) {
     const std::size_t count = surface.vertexCount();
     if (out.positions.size() != count + 1) out.positions.resize(count + 1);
     for (auto *array : {&out.normals, &out.ds, &out.dt})
@@ -383,7 +383,7 @@ void spreadToVertices(const Surface &surface, const SurfaceGradient &gradient, S
 
 void setRestFrom(Surface &surface, const SurfaceGradient &gradient) {
     parallelFor(surface.vertexCount(), kGrain, [&](std::size_t v) {
-        Vec4 &k = surface.frameCoefficients[v];
+        Vec4 &k = surface.tangentCoefficients[v];
         const auto [ds, dt, n] = gradientAt(surface, gradient, v);
         // A = [[a, b], [0, d]] in the frame with s along ds; [ds dt] A^-1 is orthonormal.
         const float a = glm::length(ds);

@@ -49,7 +49,7 @@ struct SurfaceGradient {
 };
 
 /// Attributes of the render vertices at one time, in render space.
-struct SurfaceFrame {
+struct DeformedVertices {
     std::vector<Vec3> positions; ///< one more than there are vertices: Embree reads 16 bytes at the last
     std::vector<Vec3> normals;   ///< unit; outward
     std::vector<Vec3> ds, dt;    ///< images of the rest tangent frame: F t0, F b0
@@ -72,7 +72,7 @@ struct VertexGradient {
 };
 inline VertexGradient gradientAt(const Surface &surface, const SurfaceGradient &gradient, std::size_t renderVertex) {
     const Index s = surface.vertexSurface[renderVertex];
-    const Tangents image = tangentsFrom(surface.frameCoefficients[renderVertex], gradient.f1[s], gradient.f2[s]);
+    const Tangents image = tangentsFrom(surface.tangentCoefficients[renderVertex], gradient.f1[s], gradient.f2[s]);
     return {image.ds, image.dt, gradient.normal[s]};
 }
 inline PolarGradient polarAt(const Surface &surface, const SurfaceGradient &gradient, std::size_t renderVertex) {
@@ -81,7 +81,7 @@ inline PolarGradient polarAt(const Surface &surface, const SurfaceGradient &grad
 }
 
 /// Spreads surface vertices to render vertices: out.ds = t0.x f1 + t0.y f2, ...
-void spreadToVertices(const Surface &surface, const SurfaceGradient &gradient, SurfaceFrame &out);
+void spreadToVertices(const Surface &surface, const SurfaceGradient &gradient, DeformedVertices &out);
 
 /// Makes the shape in `gradient` the rest state: from then on the same shape has A = identity, with t0 along its ds.
 void setRestFrom(Surface &surface, const SurfaceGradient &gradient);

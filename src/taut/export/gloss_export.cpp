@@ -91,7 +91,7 @@ void restFrame(const Surface &surface, const Mat3 &objectFromRest, Index source,
     const Index s = surface.vertexSurface[source];
     const Frame frame = surface.frameAt(s);
     normal = glm::normalize(glm::transpose(surface.restFromObject) * frame.n);
-    tangent = glm::normalize(objectFromRest * tangentsFrom(surface.frameCoefficients[source], frame.s, frame.t).ds);
+    tangent = glm::normalize(objectFromRest * tangentsFrom(surface.tangentCoefficients[source], frame.s, frame.t).ds);
 }
 
 } // namespace
@@ -108,7 +108,7 @@ void glossAtFrame(const Scene &scene, double frame, const GlossOptions &options,
     double ignored = 0;
     surfaceAtFrame(out.surface, frame, scene.render.fps, DMat4(1), ignored, ignored);
     const Surface &surface = out.surface.surface;
-    const SurfaceFrame &from = out.surface.frame;
+    const DeformedVertices &from = out.surface.vertices;
     GlossMesh &mesh = out.mesh;
     mesh.convention = options.convention;
     resizeFrame(mesh, out.sources.size(), options.convention != nullptr);

@@ -31,14 +31,14 @@ MemoryUse memoryUse(const RenderScene &scene) {
         use.shown += bytesOf(s.triangles, s.triangleSlots, s.uvs, s.uvs1, s.colors, object.storedPoisson, object.turned);
         for (const SurfaceStep &step : object.steps)
             use.shown += bytesOf(step.positions, step.normals, step.tangents, step.stretch, step.lean, step.ds, step.dt);
-        use.motion += bytesOf(s.vertexSurface, s.vertexTangents, s.frameCoefficients, s.surfacePosition, s.normals, s.stencilOffsets,
+        use.motion += bytesOf(s.vertexSurface, s.vertexTangents, s.tangentCoefficients, s.surfacePosition, s.normals, s.stencilOffsets,
                               s.stencilPositions, s.stencilWeights, s.stencilPoints, s.slope, s.ringOffsets, s.ringFaces, s.ringTilts,
                               s.hinges, s.weightGradientOffsets, s.weightGradientJoints, s.weightGradients);
         const SurfaceGradient &g = object.gradient;
         use.motion +=
             bytesOf(g.position, g.f1, g.f2, g.normal, g.moved, g.points, g.normalImage, g.orientation.at, g.movedOrientation.at,
                     object.cageOrientation.at, object.motion.control, object.cage, object.refined, object.restTangents, object.metrics);
-        use.motion += bytesOf(object.frame.positions, object.frame.normals, object.frame.ds, object.frame.dt);
+        use.motion += bytesOf(object.vertices.positions, object.vertices.normals, object.vertices.ds, object.vertices.dt);
         if (object.subdivision) {
             const Subdivision &d = *object.subdivision;
             use.motion += bytesOf(d.tangents.offsets, d.tangents.indices, d.tangents.weights, d.positions.offsets, d.positions.indices,

@@ -100,7 +100,7 @@ void fillStep(RenderObject &object, SurfaceStep &out) {
         for (std::size_t i = 0; i < size; ++i) {
             const Index s = surface.vertexSurface[begin + i];
             const SurfaceGradient &g = object.gradient;
-            block.set(i, g.f1[s], g.f2[s], g.normal[s], surface.frameCoefficients[begin + i]);
+            block.set(i, g.f1[s], g.f2[s], g.normal[s], surface.tangentCoefficients[begin + i]);
         }
         splitPolar(block);
         for (std::size_t i = 0; i < size; ++i) fillVertex(begin + i, block.at(i));
@@ -216,10 +216,10 @@ void prepareRenderObject(const Object &object, const RenderSettings &render, con
     out.restTangents.resize(surface.vertexCount());
     for (std::size_t v = 0; v < out.restTangents.size(); ++v) {
         const Frame frame = surface.frameAt(surface.vertexSurface[v]);
-        const Vec4 &k = surface.frameCoefficients[v];
+        const Vec4 &k = surface.tangentCoefficients[v];
         out.restTangents[v] = Vec4(tangentsFrom(k, frame.s, frame.t).ds, k.x * k.w - k.y * k.z < 0 ? -1.0F : 1.0F);
     }
-    out.surface.frameCoefficients.clear(); // the tangents are all that was wanted of these
+    out.surface.tangentCoefficients.clear(); // the tangents are all that was wanted of these
     compact(out.surface, false);
 }
 

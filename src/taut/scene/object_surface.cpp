@@ -104,7 +104,7 @@ void surfaceAtFrame(ObjectSurface &object, double frame, double fps, const DMat4
                     double &gradientSeconds) {
     deformAtFrame(object, frame, fps, targetFromWorld, deformationSeconds, gradientSeconds);
     Stopwatch watch;
-    spreadToVertices(object.surface, object.gradient, object.frame);
+    spreadToVertices(object.surface, object.gradient, object.vertices);
     gradientSeconds += watch.lap();
 }
 

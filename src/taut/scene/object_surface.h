@@ -21,7 +21,7 @@ struct ObjectSurface {
     Orientation cageOrientation; ///< subdivision: of the map at the control points
     std::vector<Vec3> refined;   ///< subdivision, estimators other than Limit: limit points in target space
     SurfaceGradient gradient;
-    SurfaceFrame frame;                ///< filled by surfaceAtFrame
+    DeformedVertices vertices;         ///< filled by surfaceAtFrame
     bool mirrored = false;             ///< triangles are seen the other way round
     std::vector<unsigned char> turned; ///< [triangles] the same for each, where they differ; else empty
 
@@ -58,7 +58,7 @@ void compact(ObjectSurface &object);
 void deformAtFrame(ObjectSurface &object, double frame, double fps, const DMat4 &targetFromWorld, double &deformationSeconds,
                    double &gradientSeconds);
 
-/// deformAtFrame(), spread to the render vertices: positions, normals, ds and dt in object.frame.
+/// deformAtFrame(), spread to the render vertices: positions, normals, ds and dt in object.vertices.
 void surfaceAtFrame(ObjectSurface &object, double frame, double fps, const DMat4 &targetFromWorld, double &deformationSeconds,
                     double &gradientSeconds);
 
