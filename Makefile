@@ -53,7 +53,7 @@ demo: command
 	apps/demo/demo.sh $(BUILD)/taut out/demo
 
 test: build
-	ctest --preset release
+	ctest --preset release -j $$(nproc)
 
 bench: build
 	$(BUILD)/taut_bench --output build/bench.json --chart build/bench $(if $(shell command -v blender),--cycles --equal-error)
@@ -62,7 +62,7 @@ bench: build
 sanitize: deps
 	cmake --preset sanitize
 	cmake --build --preset sanitize
-	ctest --preset sanitize
+	ctest --preset sanitize -j $$(nproc)
 
 format:
 	clang-format -i $$(git ls-files '*.h' '*.cpp')
