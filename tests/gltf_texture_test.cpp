@@ -351,3 +351,20 @@ TEST_CASE("a slot that shines lights as a mesh of its own does", "[gltf][mis]") 
     CHECK(apart > 0.01);
     CHECK(mean(renderImage(scene(true), 1, 256)) == Approx(apart).epsilon(0.03));
 }
+
+TEST_CASE("a map of normals in the second set of UVs is said to take the tangents of the first", "[gltf][texture]") {
+    const std::string folder = outputFolder("gltf_texture");
+    writeImage(folder, "normals.png", 1, 1, 3, {0.5F, 0.5F, 1});
+    for (const int set : {0, 1}) {
+        GltfBuilder b = triangleGltf();
+        b.json["images"] = {{{"uri", "normals.png"}}};
+        b.json["textures"] = {{{"source", 0}}};
+        b.json["materials"] = {{{"name", "skin"}, {"normalTexture", {{"index", 0}, {"texCoord", set}}}}};
+        b.json["meshes"][0]["primitives"][0]["material"] = 0;
+        const std::vector<std::string> lines = warningsOf(writeTo(folder, "second_set.gltf", b.gltf()));
+        const auto said = std::count_if(lines.begin(), lines.end(), [](const std::string &line) {
+            return line.find("'skin': its map of normals reads TEXCOORD_1") != std::string::npos;
+        });
+        CHECK(said == set);
+    }
+}

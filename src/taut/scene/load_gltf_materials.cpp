@@ -68,6 +68,9 @@ struct MaterialTextures {
     [[nodiscard]] SlopeMap normals(float scale, const GltfTextureRef &ref) const {
         const Index texture = find(ref, ColorSpace::Linear).index;
         if (texture != kNone) warnOfSteepNormals(context, file.path + ": material " + quoted(material), texture);
+        if (texture != kNone && ref.sampler.uvSet == 1)
+            context.warnings.add(file.path + ": material " + quoted(material) +
+                                 ": its map of normals reads TEXCOORD_1 in the tangents of TEXCOORD_0");
         return {SlopeMap::Kind::Normal, texture, scale};
     }
     [[nodiscard]] ColorParam color(const Vec3 &factor, const GltfTextureRef &ref) const {
