@@ -2,7 +2,7 @@
 /// Real meshes and animations that lie beside a checkout, where there are any. A test that wants one and finds none says so
 /// in one line and passes.
 
-#include <catch2/catch.hpp>
+#include "output_folder.h"
 
 #include <filesystem>
 #include <iostream>
@@ -24,13 +24,6 @@ inline std::optional<std::string> caseFile(const std::string &name) {
     if (std::filesystem::exists(path)) return path.string();
     std::cout << "SKIPPED: case " << name << " is not on this machine" << std::endl;
     return std::nullopt;
-}
-
-/// A folder for what a test writes; made on first use.
-inline std::string outputFolder(const std::string &name) {
-    const std::filesystem::path path = std::filesystem::path(TAUT_TEST_OUTPUT) / name;
-    std::filesystem::create_directories(path);
-    return path.string();
 }
 
 } // namespace taut::test

@@ -1,7 +1,7 @@
 #pragma once
 /// The command as a user runs it: arguments in; exit code, standard output and standard error out. A run that hangs is killed.
 
-#include <catch2/catch.hpp>
+#include "output_folder.h"
 
 #include <fcntl.h>
 #include <spawn.h>
@@ -126,14 +126,6 @@ inline std::vector<std::string> namesIn(const std::string &folder) {
     for (const auto &entry : fs::directory_iterator(folder)) names.push_back(entry.path().filename().string());
     std::sort(names.begin(), names.end());
     return names;
-}
-
-/// An empty folder for one test.
-inline std::string freshFolder(const std::string &name) {
-    const fs::path path = fs::path(TAUT_TEST_OUTPUT) / name;
-    fs::remove_all(path);
-    fs::create_directories(path);
-    return path.string();
 }
 
 } // namespace taut::test

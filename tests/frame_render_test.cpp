@@ -78,12 +78,8 @@ void goOn(bool adaptive, const std::string &path, std::mt19937 &random, unsigned
     fs::rename(path + ".new", path);
 }
 
-std::string statePath(bool adaptive) {
-    fs::create_directories(TAUT_TEST_OUTPUT);
-    return std::string(TAUT_TEST_OUTPUT) + (adaptive ? "/adaptive.state" : "/even.state");
-}
-
 const char *const kTask = "TAUT_TEST_FRAME_TASK";
+const char *const kState = "TAUT_TEST_FRAME_STATE";
 
 } // namespace
 
@@ -99,12 +95,12 @@ TEST_CASE("frame: go on from a saved state, a child", "[.][frame-child]") {
     words >> kind >> seed >> threads >> longest;
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
     std::mt19937 random(seed);
-    for (int i = 0; i < 5; ++i) goOn(kind == "adaptive", statePath(kind == "adaptive"), random, longest);
+    for (int i = 0; i < 5; ++i) goOn(kind == "adaptive", std::getenv(kState), random, longest);
 }
 
 TEST_CASE("frame: stopped a hundred times at random, saved, gone on with in other processes, the picture is the same", "[frame]") {
     for (const bool adaptive : {false, true}) {
-        const std::string path = statePath(adaptive);
+        const std::string path = outputFolder("states") + (adaptive ? "/adaptive.state" : "/even.state");
         fs::remove(path);
         Stepped whole(adaptive);
         REQUIRE(whole.render->advance() == FrameState::Done);
@@ -115,7 +111,7 @@ TEST_CASE("frame: stopped a hundred times at random, saved, gone on with in othe
             const std::string task = std::string(adaptive ? "adaptive " : "even ") + std::to_string(child) + ' ' +
                                      std::to_string(1 + child % 3) + ' ' + std::to_string(longest);
             const CommandResult result = runProgram(
-                {"/usr/bin/env", kTask + std::string("=") + task, fs::read_symlink("/proc/self/exe").string(), "[frame-child]"}, 300);
+                {"/usr/bin/env", kTask + std::string("=") + task, kState + std::string("=") + path, fs::read_symlink("/proc/self/exe").string(), "[frame-child]"}, 300);
             INFO(result.out << result.err);
             REQUIRE(result.exitCode == 0);
         }

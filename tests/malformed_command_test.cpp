@@ -56,7 +56,7 @@ Case bare(const std::string &name, const std::string &bytes, const std::string &
 }
 
 std::string caseFolder(const std::string &group, std::size_t i) {
-    return std::string(TAUT_TEST_OUTPUT) + "/malformed_" + group + "/" + std::to_string(i);
+    return outputFolder("malformed_" + group) + "/" + std::to_string(i);
 }
 
 std::vector<std::string> namesOf(const Case &c) {
@@ -151,7 +151,7 @@ GltfBuilder smallGltf() {
 
 /// Bytes of a small image in the format of the extension.
 std::string imageBytes(const std::string &extension) {
-    const std::string path = freshFolder("malformed_images_" + std::to_string(getpid())) + "/a." + extension;
+    const std::string path = freshFolder("malformed_images") + "/a." + extension;
     Image image;
     image.window = {0, 0, 9, 5};
     image.width = 9;
