@@ -5,6 +5,7 @@
 find_package(glm REQUIRED)
 find_package(TBB REQUIRED)
 find_package(tomlplusplus REQUIRED)
+find_path(TAUT_XXHASH_INCLUDE xxhash.h REQUIRED) # its header alone
 find_package(nlohmann_json REQUIRED)
 find_package(embree 3.13 REQUIRED)
 find_package(OpenMesh REQUIRED)

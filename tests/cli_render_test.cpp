@@ -62,8 +62,8 @@ TEST_CASE("cli: a render with everything asked for", "[cli]") {
         CHECK(metadata(path, "taut:frame") == "3");
         CHECK(metadata(path, "taut:sampleRange") == "0-2");
         CHECK("taut " + metadata(path, "taut:version") + "\n" == runTaut({"--version"}).out);
-        CHECK(metadata(path, "taut:sceneHash").size() == 16);
-        CHECK(std::stod(metadata(path, "taut:renderSeconds")) >= 0);
+        CHECK(metadata(path, "taut:sceneHash").size() == 32);
+        CHECK(metadata(path, "DateTime") == "absent"); // the same picture is the same file
     }
 
     const auto stats = nlohmann::json::parse(readBytes(place.path("stats.json")));
@@ -202,6 +202,7 @@ TEST_CASE("cli: an output file is replaced whole or not at all", "[cli]") {
     // Interrupted in the middle of a frame.
     CHECK(runTaut({"render", place.scene, "-o", output, "--spp", "16777216", "-q"}, "", 1).exitCode == kTimedOut);
     CHECK(untouched());
+    fs::remove(output + ".checkpoint"); // what there was of it
     CHECK(namesIn(place.folder) == before);
 
     // What can't be written is a failure while running: exit code 1, one line, nothing left behind.

@@ -90,6 +90,11 @@ inline CommandResult runTaut(const Arguments &arguments, const std::string &fold
     return runProgram(words, timeoutSeconds, folder);
 }
 
+/// Runs a line of bash, in which $0 is the command, in a folder.
+inline CommandResult runShell(const std::string &line, const std::string &folder) {
+    return runProgram({"bash", "-c", line, TAUT_COMMAND}, 300, folder);
+}
+
 inline std::vector<std::string> linesOf(const std::string &text) {
     std::vector<std::string> lines;
     std::istringstream stream(text);

@@ -53,11 +53,6 @@ std::vector<std::string> newNamesIn(const std::string &folder) {
     return names;
 }
 
-/// Runs a line of bash, in which $0 is the command, in a folder.
-CommandResult runShell(const std::string &line, const std::string &folder) {
-    return runProgram({"bash", "-c", line, TAUT_COMMAND}, 300, folder);
-}
-
 } // namespace
 
 TEST_CASE("A frame's number goes into the file's own name", "[files][frames]") {

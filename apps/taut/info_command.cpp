@@ -4,6 +4,7 @@
 #include "false_colour.h"
 #include "info_report.h"
 #include "json_text.h"
+#include "resources.h"
 #include "scene_arguments.h"
 
 #include "taut/base/frame_set.h"
@@ -14,16 +15,20 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <chrono>
 #include <iostream>
 
 namespace taut::app {
 
 namespace {
 
+using Clock = std::chrono::steady_clock;
+
 struct InfoArguments {
     SceneArguments scene;
     ModelArguments model;
     bool json = false;
+    bool resources = false;
     std::string falseColour; ///< a channel
     std::string output;
 };
@@ -121,7 +126,19 @@ void hideLights(Scene &scene) {
     for (Light &light : scene.lights) light.cameraVisible = false;
 }
 
+Resources resourcesOf(RenderScene &ready, Clock::time_point began) {
+    FrameOptions options;
+    options.spp = ready.scene().render.spp;
+    return measureResources(ready, options, began);
+}
+
+void print(const Resources &r) {
+    fmt::print("resources: {:.0f} MB, {:.3g} s of one thread a frame, {:.2g} s before it and {:.2g} s once\n", r.megabytes, r.frameSeconds,
+               r.updateSeconds, r.serialSeconds);
+}
+
 int info(const InfoArguments &arguments) {
+    const auto began = Clock::now();
     const auto threads = limitThreads(arguments.scene.threads);
     const bool pictures = !arguments.falseColour.empty();
     Scene scene = loadScene(arguments.scene, false);
@@ -133,10 +150,16 @@ int info(const InfoArguments &arguments) {
     if (!arguments.json) {
         if (pictures) writeFalseColours(arguments, ready);
         print(report);
+        if (arguments.resources) print(resourcesOf(ready, began));
         return 0;
     }
     nlohmann::json result = toJson(report);
     if (pictures) result["false_colour"] = writeFalseColours(arguments, ready);
+    if (arguments.resources) {
+        const Resources r = resourcesOf(ready, began);
+        result["resources"] = {
+            {"megabytes", r.megabytes}, {"frame_thread_s", r.frameSeconds}, {"update_s", r.updateSeconds}, {"start_s", r.serialSeconds}};
+    }
     std::cout << jsonText(result, 2) << std::endl;
     return 0;
 }
@@ -149,6 +172,7 @@ void addInfo(CLI::App &parent, Run &run) {
     addSceneArguments(*command, arguments->scene);
     addModelArguments(*command, arguments->model);
     command->add_flag("--json", arguments->json, "One JSON object on standard output");
+    command->add_flag("--resources", arguments->resources, "Also measure what a frame takes: memory, seconds");
     CLI::Option *channel = command->add_option("--false-colour", arguments->falseColour,
                                                "Also render this channel in false colours: Stretch.max, AlphaMin, M.b, ...");
     CLI::Option *output = command->add_option("-o,--output", arguments->output, "Where to: out/####.png or .exr");

@@ -1,5 +1,5 @@
 /// taut: renders deforming meshes whose gloss follows the deformation. One file a subcommand.
-/// Exit codes: 0 done, 1 failed while running, 2 usage or bad scene.
+/// Exit codes: 0 done, 1 failed while running, 2 usage or bad input, 75 stopped and to be gone on with.
 
 #include "commands.h"
 #include "interruption.h"
@@ -65,6 +65,8 @@ int main(int argc, char **argv) {
     app.require_subcommand(0, 1); // none at all is told below, so that an unknown one is named
     taut::app::Run run;
     taut::app::addRender(app, run);
+    taut::app::addMerge(app, run);
+    taut::app::addFarm(app, run);
     taut::app::addInfo(app, run);
     taut::app::addExport(app, run);
     taut::app::addProbe(app, run);

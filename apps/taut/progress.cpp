@@ -7,6 +7,7 @@
 
 #include <cstdio>
 #include <iostream>
+#include <string_view>
 
 namespace taut::app {
 
@@ -30,11 +31,15 @@ void Progress::startFrame(int frame) {
 }
 
 void Progress::update(double shareOfFrame) {
-    if (style_ != ProgressStyle::Bar && style_ != ProgressStyle::Json) return;
+    if (style_ == ProgressStyle::None || style_ == ProgressStyle::Plain) return;
     const auto now = std::chrono::steady_clock::now();
     if (now - lastPrint_ < kInterval) return;
     lastPrint_ = now;
     const double share = (done_ + shareOfFrame) / frames_;
+    if (style_ == ProgressStyle::OpenJobDescription) {
+        std::cout << fmt::format("openjd_progress: {:.2f}", 100 * share) << std::endl;
+        return;
+    }
     const double elapsed = std::chrono::duration<double>(now - start_).count();
     const double left = share > 0 ? elapsed * (1 - share) / share : 0;
     if (style_ == ProgressStyle::Json) {
@@ -55,9 +60,40 @@ void Progress::finishFrame(int frame, const std::string &output, double seconds)
     case ProgressStyle::Json:
         std::cerr << jsonText({{"event", "frame"}, {"frame", frame}, {"output", output}, {"seconds", seconds}}, -1) << std::endl;
         break;
+    case ProgressStyle::OpenJobDescription:
+        std::cout << fmt::format("openjd_progress: {:.2f}\nopenjd_status: frame {} of {} in {}", 100.0 * done_ / frames_, done_, frames_,
+                                 output)
+                  << std::endl;
+        break;
     case ProgressStyle::Bar: fmt::print(stderr, "\r{:78}\r", ""); [[fallthrough]];
     case ProgressStyle::Plain: fmt::print(stderr, "frame {} ({}/{}) {:.2f} s -> {}\n", frame, done_, frames_, seconds, output); break;
     }
+}
+
+void Progress::tell(const char *event, double shareOfFrame, const std::string &path) {
+    if (std::string_view(event) == "skipped") ++done_;
+    switch (style_) {
+    case ProgressStyle::None: break;
+    case ProgressStyle::Json:
+        std::cerr << jsonText({{"event", event}, {"frame", frame_}, {"share", shareOfFrame}, {"file", path}}, -1) << std::endl;
+        break;
+    case ProgressStyle::OpenJobDescription: std::cout << fmt::format("openjd_status: frame {} {}", frame_, event) << std::endl; break;
+    case ProgressStyle::Bar: fmt::print(stderr, "\r{:78}\r", ""); [[fallthrough]];
+    case ProgressStyle::Plain: fmt::print(stderr, "frame {}: {} at {:.0f} %: {}\n", frame_, event, 100 * shareOfFrame, path); break;
+    }
+}
+
+void Progress::stopped(const char *cause, double shareOfFrame, const std::string &checkpoint) {
+    if (style_ == ProgressStyle::Json) {
+        const nlohmann::json file = checkpoint.empty() ? nlohmann::json() : nlohmann::json(checkpoint);
+        std::cerr << jsonText({{"event", "stopped"}, {"cause", cause}, {"frame", frame_}, {"share", shareOfFrame}, {"checkpoint", file}},
+                              -1)
+                  << std::endl;
+        return;
+    }
+    if (style_ == ProgressStyle::Bar) fmt::print(stderr, "\r{:78}\r", "");
+    const std::string where = checkpoint.empty() ? "" : fmt::format(" at {:.0f} %: {}", 100 * shareOfFrame, checkpoint);
+    fmt::print(stderr, "taut: stopped by {}: frame {}{}; --resume --skip-existing goes on\n", cause, frame_, where);
 }
 
 } // namespace taut::app

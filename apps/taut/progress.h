@@ -1,12 +1,13 @@
 #pragma once
-/// Progress of a render: a bar with the time left on a terminal, plain lines elsewhere, JSON lines for farms.
+/// Progress of a render: a bar with the time left on a terminal, plain lines elsewhere, JSON lines for farms, and those of Open Job
+/// Description (openjd_progress: percent), on standard output.
 
 #include <chrono>
 #include <string>
 
 namespace taut::app {
 
-enum class ProgressStyle { None, Bar, Plain, Json };
+enum class ProgressStyle { None, Bar, Plain, Json, OpenJobDescription };
 
 class Progress {
   public:
@@ -14,6 +15,10 @@ class Progress {
     void startFrame(int frame);
     void update(double shareOfFrame);
     void finishFrame(int frame, const std::string &output, double seconds);
+    /// What happened to the frame in between: "resumed" from a file, "checkpoint" in one, "skipped" for one.
+    void tell(const char *event, double shareOfFrame, const std::string &path);
+    /// The last line: why, and the checkpoint that is left; none where the frame was done. Said whatever the style.
+    void stopped(const char *cause, double shareOfFrame, const std::string &checkpoint);
 
   private:
     ProgressStyle style_;

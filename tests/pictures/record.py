@@ -152,7 +152,7 @@ def run(*command):
 
 def picture_hash(path):
     pixels = re.search(r"SHA-1: (\w+)", run("oiiotool", "--info", "--hash", path)).group(1)
-    said = [line for line in run("oiiotool", "--info", "-v", path).splitlines() if not re.search(r"DateTime|renderSeconds|%s" % re.escape(str(path)), line)]
+    said = [line for line in run("oiiotool", "--info", "-v", path).splitlines() if not re.search(r"DateTime|renderSeconds|sceneHash|%s" % re.escape(str(path)), line)]
     return pixels[:20] + "-" + hashlib.sha256("\n".join(said).encode()).hexdigest()[:12]
 
 

@@ -3,6 +3,7 @@
 #include "taut/base/error.h"
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -40,6 +41,12 @@ std::FILE *openOwn(const std::string &path, std::string &name, bool keepsName) {
     do {
         name = (folder / (".taut-" + std::to_string(getpid()) + "-" + std::to_string(number++) + ".partial")).string();
         descriptor = open(name.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        // Held as long as its process lives (removeAbandonedFiles). Where somebody took it for abandoned in between: another name.
+        if (descriptor >= 0 && keepsName && flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+            close(descriptor);
+            descriptor = -1;
+            errno = EEXIST;
+        }
     } while (descriptor < 0 && errno == EEXIST);
     std::FILE *file = descriptor < 0 ? nullptr : fdopen(descriptor, "w+b");
     const int error = errno;
@@ -77,6 +84,13 @@ std::string lowerExtension(std::string_view path) {
     std::transform(extension.begin(), extension.end(), extension.begin(),
                    [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
     return extension;
+}
+
+void makeFolderOf(const std::string &path) {
+    const fs::path folder = fs::path(path).parent_path();
+    std::error_code error;
+    if (!folder.empty()) fs::create_directories(folder, error);
+    if (error) throw RunError(path + ": can't make its folder: " + error.message());
 }
 
 OutputFile::OutputFile(const std::string &path) : path_(path) {
@@ -123,18 +137,50 @@ void OutputFile::flush() {
 }
 
 void OutputFile::finish() {
+    flush();
+    const int held = dup(fileno(file_)); // until it has its name, so that nobody thinks it abandoned
     const bool closed = std::fclose(file_) == 0;
     file_ = nullptr;
-    if (!closed) fail(std::strerror(errno));
-    if (partial_.empty()) return;
-    std::error_code error;
-    {
-        const std::lock_guard lock(unfinished().mutex);
-        fs::rename(partial_, path_, error);
-        if (!error) unfinished().names.erase(partial_);
-    }
+    const std::error_code error = closed ? rename() : std::error_code(errno, std::generic_category());
+    if (held >= 0) close(held);
     if (error) fail(error.message());
+}
+
+void OutputFile::finishDurably() {
+    flush();
+    if (!partial_.empty() && fsync(fileno(file_)) != 0) fail(std::strerror(errno));
+    finish();
+    const std::string folder = fs::path(path_).parent_path().string();
+    const int descriptor = open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (descriptor < 0) return;
+    static_cast<void>(fsync(descriptor)); // a file system that can't says so, and has done what it can
+    close(descriptor);
+}
+
+std::error_code OutputFile::rename() {
+    if (partial_.empty()) return {};
+    std::error_code error;
+    const std::lock_guard lock(unfinished().mutex);
+    fs::rename(partial_, path_, error);
+    if (error) return error;
+    unfinished().names.erase(partial_);
     partial_.clear();
+    return {};
+}
+
+int removeAbandonedFiles(const std::string &folder) {
+    int removed = 0;
+    std::error_code error;
+    for (fs::directory_iterator it(folder.empty() ? fs::path(".") : fs::path(folder), error), end; !error && it != end;
+         it.increment(error)) {
+        const std::string name = it->path().filename().string();
+        if (!name.starts_with(".taut-") || !name.ends_with(".partial")) continue;
+        const int descriptor = open(it->path().c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW);
+        if (descriptor < 0) continue;
+        if (flock(descriptor, LOCK_EX | LOCK_NB) == 0 && std::remove(it->path().c_str()) == 0) ++removed;
+        close(descriptor);
+    }
+    return removed;
 }
 
 std::FILE *openSpool(const std::string &path) {

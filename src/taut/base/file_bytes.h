@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <string>
 #include <string_view>
+#include <system_error>
 
 namespace taut {
 
@@ -17,6 +18,9 @@ inline std::size_t sizeOfByteOrderMark(std::string_view text) {
 
 /// The extension of `path` without its dot, in lower case.
 std::string lowerExtension(std::string_view path);
+
+/// Makes the folder of `path` where there is none. Throws RunError.
+void makeFolderOf(const std::string &path);
 
 /// A file written piece by piece beside `path` and renamed by finish(), so that `path` is never half written. Until then it has a name
 /// that no other process has: of several that write the same path the last to finish stays. Without finish() nothing is left
@@ -35,16 +39,24 @@ class OutputFile {
     /// Brings what was written to the disk, so that finish() has little left that can fail: before several files are finished together.
     void flush();
     void finish();
+    /// finish(), with the bytes and then the name on the disk itself, so that a machine which fails keeps the old file or the new one.
+    void finishDurably();
 
   private:
     [[noreturn]] void fail(const std::string &what);
 
     void discard();
+    /// Gives the file its name.
+    std::error_code rename();
 
     std::string path_;
     std::string partial_; ///< empty where `path_` is written directly
     std::FILE *file_ = nullptr;
 };
+
+/// Removes what processes that were killed have left half written in a folder: files that OutputFile made and nobody holds any more.
+/// Returns how many.
+int removeAbandonedFiles(const std::string &folder);
 
 /// A stream for what is read back before its process ends, on the disk of `path`. It has no name, so nothing can be left behind.
 /// Throws RunError.

@@ -121,6 +121,7 @@ struct Tally {
 
 struct GltfFile {
     std::string path;
+    std::vector<std::string> bufferPaths;     ///< of the files beside it that it was read from
     Rig rig;                                  ///< nodes, skins and animations
     std::vector<GltfNode> attached;           ///< [rig.nodes]
     std::vector<Index> sceneNodes;            ///< nodes of the default scene (all descendants included), in the order of the nodes

@@ -202,6 +202,7 @@ GltfSource openGltf(const std::string &path, Tally &leftOut, Warnings &warnings)
     for (std::size_t i = 0; i < buffers.size(); ++i) {
         source.buffers.push_back(readBuffer(path, buffers[i], i == 0, container));
         source.fileBytes += source.buffers.back().size();
+        if (buffers[i].has("uri") && !isDataUri(buffers[i]["uri"])) source.bufferPaths.push_back(pathOfUri(path, buffers[i]["uri"]));
     }
     return source;
 }

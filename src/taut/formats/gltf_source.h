@@ -17,6 +17,7 @@ struct GltfSource {
     std::string path;
     std::shared_ptr<const nlohmann::json> json; ///< checked by checkGltfJson
     std::vector<std::vector<unsigned char>> buffers;
+    std::vector<std::string> bufferPaths; ///< of those that are files of their own
     std::size_t fileBytes = 0;            ///< of the file and its buffers
     mutable std::size_t decodedBytes = 0; ///< by accessors so far, against decodedBudget
     [[nodiscard]] std::size_t decodedBudget() const { return (std::size_t{1} << 30) + 64 * fileBytes; }

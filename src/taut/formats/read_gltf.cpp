@@ -25,6 +25,7 @@ GltfFile readGltf(const std::string &path, Warnings &warnings) {
     GltfFile file;
     file.path = path;
     const GltfSource source = openGltf(path, file.leftOut, warnings);
+    file.bufferPaths = source.bufferPaths;
     std::vector<Index> meshOf;
     std::vector<Index> nodeOf;
     readGltfMaterials(source, file);

@@ -96,6 +96,10 @@ struct EmbreeScene::State {
     Index instance(RTCScene of, std::size_t times);
 };
 
+std::string_view embreeVersion() {
+    return RTC_VERSION_STRING;
+}
+
 EmbreeScene::EmbreeScene(bool refits) : state_(std::make_unique<State>()) {
     state_->device = rtcNewDevice(nullptr);
     if (state_->device == nullptr) throw RunError("Embree could not start on this machine");

@@ -6,6 +6,7 @@
 
 #include <memory>
 #include <span>
+#include <string_view>
 #include <vector>
 
 namespace taut {
@@ -21,6 +22,9 @@ class SurfaceTest {
     /// `ray`: its place in the batch.
     [[nodiscard]] virtual bool isThere(std::size_t ray, const Hit &hit) const = 0;
 };
+
+/// The version of Embree that this was compiled with.
+std::string_view embreeVersion();
 
 class EmbreeScene {
   public:

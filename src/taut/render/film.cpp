@@ -4,16 +4,22 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
+#include <cstring>
 #include <istream>
 #include <ostream>
+#include <span>
 
 namespace taut {
 
 namespace {
 
-constexpr std::string_view kMagic = "taut film 1\n";
-/// Pixels whose sums are read or written at once.
+constexpr std::string_view kMagic = "taut film 2\n";
+/// Pixels that are read or written at once.
 constexpr std::size_t kBlock = 4096;
+/// Bytes of a stream that can't tell how many it has.
+constexpr std::uint64_t kUnknownSize = std::uint64_t{1} << 30;
+const char *const kEndsEarly = "film: found its end early, expected as many sums as its head says";
 
 static_assert(std::endian::native == std::endian::little, "films are written in the machine's order");
 
@@ -22,18 +28,95 @@ template <class T> void writeRaw(std::ostream &out, const T *values, std::size_t
 }
 
 template <class T> void readRaw(std::istream &in, T *values, std::size_t count) {
-    if (!in.read(reinterpret_cast<char *>(values), static_cast<std::streamsize>(count * sizeof(T))))
-        throw InputError("film: found its end early, expected as many sums as its head says");
+    if (!in.read(reinterpret_cast<char *>(values), static_cast<std::streamsize>(count * sizeof(T)))) throw InputError(kEndsEarly);
 }
 
-/// Appends `count` values from the stream; memory grows with what is really there.
-template <class T> void appendRaw(std::istream &in, std::size_t count, std::vector<T> &values) {
-    for (std::size_t done = 0; done < count; done += kBlock) {
-        const std::size_t block = std::min(kBlock, count - done);
-        values.resize(values.size() + block);
-        readRaw(in, values.data() + values.size() - block, block);
+/// Of a stream that can tell; of another, what a file may have.
+std::uint64_t bytesLeft(std::istream &in) {
+    std::streambuf &buffer = *in.rdbuf();
+    const auto here = buffer.pubseekoff(0, std::ios::cur, std::ios::in);
+    const auto end = buffer.pubseekoff(0, std::ios::end, std::ios::in);
+    if (here < 0 || end < 0 || buffer.pubseekpos(here, std::ios::in) != here) return kUnknownSize;
+    return static_cast<std::uint64_t>(end - here);
+}
+
+/// Runs of equal counts: how many, which; both as 7 bits a byte, the least first.
+void packCounts(std::span<const std::uint32_t> counts, std::vector<unsigned char> &out) {
+    const auto put = [&](std::uint64_t value) {
+        for (; value >= 0x80U; value >>= 7U) out.push_back(static_cast<unsigned char>(value | 0x80U));
+        out.push_back(static_cast<unsigned char>(value));
+    };
+    for (std::size_t first = 0, next = 0; first < counts.size(); first = next) {
+        while (next < counts.size() && counts[next] == counts[first]) ++next;
+        put(next - first);
+        put(counts[first]);
     }
 }
+
+/// A sum of many zero bytes at both ends (those above repeat its sign) by those between: the number of zero bytes at its low end and,
+/// less one, of bytes that follow, four bits each. Zero is a byte that no other sum begins with.
+constexpr unsigned char kZero = 0xff;
+
+void packSum(const ExactSum &sum, std::vector<unsigned char> &out) {
+    const std::array<std::uint64_t, 2> words{sum.low(), static_cast<std::uint64_t>(sum.high())};
+    std::array<unsigned char, 16> bytes{};
+    std::memcpy(bytes.data(), words.data(), bytes.size());
+    if ((words[0] | words[1]) == 0) return out.push_back(kZero);
+    const int low = words[0] != 0 ? std::countr_zero(words[0]) / 8 : 8 + std::countr_zero(words[1]) / 8;
+    const unsigned char sign = sum.high() < 0 ? 0xff : 0;
+    int high = 15;
+    while (high > low && bytes[high] == sign && ((bytes[high - 1] ^ sign) & 0x80) == 0) --high;
+    out.push_back(static_cast<unsigned char>(low << 4 | (high - low)));
+    out.insert(out.end(), bytes.begin() + low, bytes.begin() + high + 1);
+}
+
+/// Takes apart what they have put together; what ends early or is none throws.
+class Unpacker {
+  public:
+    explicit Unpacker(std::istream &in) : buffer_(*in.rdbuf()) {}
+
+    void counts(std::span<std::uint32_t> out) {
+        for (std::size_t done = 0; done < out.size();) {
+            const std::uint64_t run = number();
+            const std::uint64_t value = number();
+            if (run == 0 || run > out.size() - done || value > 0xffffffffU) throw InputError("film: found counts that are none");
+            std::fill_n(out.begin() + static_cast<std::ptrdiff_t>(done), run, static_cast<std::uint32_t>(value));
+            done += run;
+        }
+    }
+
+    ExactSum sum() {
+        const unsigned head = byte();
+        if (head == kZero) return {};
+        const unsigned low = head >> 4U;
+        const unsigned size = (head & 15U) + 1;
+        if (low + size > 16) throw InputError("film: found a sum that is none");
+        std::array<unsigned char, 16> bytes{};
+        for (unsigned i = 0; i < size; ++i) bytes[low + i] = static_cast<unsigned char>(byte());
+        if ((bytes[low + size - 1] & 0x80U) != 0) std::fill(bytes.begin() + low + size, bytes.end(), static_cast<unsigned char>(0xff));
+        std::array<std::uint64_t, 2> words{};
+        std::memcpy(words.data(), bytes.data(), bytes.size());
+        return {words[0], static_cast<std::int64_t>(words[1])};
+    }
+
+  private:
+    unsigned byte() {
+        const auto c = buffer_.sbumpc();
+        if (c == std::istream::traits_type::eof()) throw InputError(kEndsEarly);
+        return static_cast<unsigned char>(c);
+    }
+    std::uint64_t number() {
+        std::uint64_t value = 0;
+        for (unsigned shift = 0; shift < 35; shift += 7) {
+            const unsigned c = byte();
+            value |= static_cast<std::uint64_t>(c & 0x7fU) << shift;
+            if (c < 0x80U) return value;
+        }
+        throw InputError("film: found counts that are none");
+    }
+
+    std::streambuf &buffer_;
+};
 
 } // namespace
 
@@ -126,23 +209,21 @@ void Film::save(std::ostream &out) const {
     out << '\n';
     const std::array<std::int32_t, 4> window{window_.x0, window_.y0, window_.x1, window_.y1};
     writeRaw(out, window.data(), window.size());
-    writeRaw(out, counts_.data(), counts_.size());
-    writeRaw(out, hits_.data(), hits_.size());
-    std::vector<std::uint64_t> words;
-    for (std::size_t begin = 0; begin < sums_.size(); begin += kBlock) {
-        words.clear();
-        for (std::size_t i = begin; i < std::min(begin + kBlock, sums_.size()); ++i) {
-            words.push_back(sums_[i].low());
-            words.push_back(static_cast<std::uint64_t>(sums_[i].high()));
-        }
-        writeRaw(out, words.data(), words.size());
+    std::vector<unsigned char> bytes;
+    for (std::size_t first = 0; first < counts_.size(); first += kBlock) {
+        const std::size_t block = std::min(kBlock, counts_.size() - first);
+        bytes.clear();
+        packCounts({counts_.data() + first, block}, bytes);
+        packCounts({hits_.data() + first, block}, bytes);
+        for (std::size_t i = first * stride_; i < (first + block) * stride_; ++i) packSum(sums_[i], bytes);
+        writeRaw(out, bytes.data(), bytes.size());
     }
 }
 
 Film Film::load(std::istream &in) {
     std::string magic(kMagic.size(), ' ');
     if (!in.read(magic.data(), static_cast<std::streamsize>(magic.size())) || magic != kMagic)
-        throw InputError("film: found other bytes at its begin, expected 'taut film 1'");
+        throw InputError("film: found other bytes at its begin, expected 'taut film 2'");
     std::vector<Aov> aovs;
     std::string name;
     for (int c = in.get(); c != '\n'; c = in.get()) {
@@ -164,14 +245,20 @@ Film Film::load(std::istream &in) {
     Film film({}, aovs);
     film.window_ = window;
     const auto pixels = static_cast<std::size_t>(window.width()) * static_cast<std::size_t>(window.height());
-    appendRaw(in, pixels, film.counts_);
-    appendRaw(in, pixels, film.hits_);
-    std::vector<std::uint64_t> words;
-    for (std::size_t done = 0; done < pixels * film.stride_; done += kBlock) {
-        const std::size_t block = std::min(kBlock, pixels * film.stride_ - done);
-        words.resize(2 * block);
-        readRaw(in, words.data(), words.size());
-        for (std::size_t i = 0; i < block; ++i) film.sums_.emplace_back(words[2 * i], static_cast<std::int64_t>(words[2 * i + 1]));
+    // A sum has a byte at least: no head asks for more memory than its file is worth.
+    const std::uint64_t left = bytesLeft(in);
+    if (pixels > left / film.stride_) throw InputError(kEndsEarly);
+    film.counts_.reserve(pixels);
+    film.hits_.reserve(pixels);
+    film.sums_.reserve(pixels * film.stride_);
+    Unpacker unpacker(in);
+    for (std::size_t first = 0; first < pixels; first += kBlock) {
+        const std::size_t last = std::min(first + kBlock, pixels);
+        film.counts_.resize(last);
+        film.hits_.resize(last);
+        unpacker.counts({film.counts_.data() + first, last - first});
+        unpacker.counts({film.hits_.data() + first, last - first});
+        for (std::size_t i = first * film.stride_; i < last * film.stride_; ++i) film.sums_.push_back(unpacker.sum());
     }
     return film;
 }

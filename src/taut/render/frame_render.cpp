@@ -21,8 +21,6 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr int kTile = 16;
-/// Samples a pass where time may run out between passes.
-constexpr int kTimedPass = 4;
 /// Blocks of adaptive sampling that one task traces.
 constexpr std::size_t kBlocksATask = 8;
 constexpr std::string_view kMagic = "taut frame 1\n";
@@ -238,6 +236,10 @@ Film FrameRender::film() const {
     return film;
 }
 
+const Film &FrameRender::filmAtRest() const {
+    return state_->film;
+}
+
 Film FrameRender::takeFilm() && {
     const std::lock_guard lock(state_->running);
     return std::move(state_->film);
@@ -277,6 +279,15 @@ SavedHead headOf(const FrameOptions &options) {
     return {options.seed, options.firstSample, options.noise ? 1 : 0, options.noise ? options.spp : 0, options.noise.value_or(0)};
 }
 
+SavedHead readHead(std::istream &in) {
+    std::string magic(kMagic.size(), ' ');
+    if (!in.read(magic.data(), static_cast<std::streamsize>(magic.size())) || magic != kMagic)
+        throw InputError("saved frame: found other bytes at its begin, expected 'taut frame 1'");
+    SavedHead head;
+    if (!in.read(reinterpret_cast<char *>(&head), sizeof head)) throw InputError("saved frame: found its end early, expected its head");
+    return head;
+}
+
 template <class T> void expectSame(const char *what, T saved, T own) {
     if (saved != own)
         throw InputError(std::string("saved frame: found ") + what + ' ' + formatNumber(static_cast<double>(saved)) + ", expected " +
@@ -292,11 +303,7 @@ void FrameRender::State::saveHead(std::ostream &out) const {
 }
 
 void FrameRender::State::checkHead(std::istream &in) const {
-    std::string magic(kMagic.size(), ' ');
-    if (!in.read(magic.data(), static_cast<std::streamsize>(magic.size())) || magic != kMagic)
-        throw InputError("saved frame: found other bytes at its begin, expected 'taut frame 1'");
-    SavedHead head;
-    if (!in.read(reinterpret_cast<char *>(&head), sizeof head)) throw InputError("saved frame: found its end early, expected its head");
+    const SavedHead head = readHead(in);
     const SavedHead own = headOf(options);
     expectSame("seed", head.seed, own.seed);
     expectSame("first sample", head.firstSample, own.firstSample);
@@ -337,6 +344,11 @@ void FrameRender::restore(std::istream &in) {
     s.blocks = std::move(blocks);
     s.pixelSamples = pixelSamples;
     if (s.blocks) s.adaptiveShare = s.blocks->done();
+}
+
+Film FrameRender::savedFilm(std::istream &in) {
+    readHead(in);
+    return Film::load(in);
 }
 
 std::uint32_t frameSeed(std::uint32_t seed, int frame, bool fixed) {

@@ -17,6 +17,9 @@
 
 namespace taut {
 
+/// Samples a pass where time may run out between passes.
+inline constexpr int kTimedPass = 4;
+
 struct FrameOptions {
     int spp = 64;                    ///< samples a pixel; the upper bound where `seconds` or `noise` are given
     int firstSample = 0;             ///< number of the first of them: films of samples [0, n) and [n, m) merge into one of [0, m)
@@ -65,7 +68,9 @@ class FrameRender {
 
     /// The film as it stands; from any thread, while advance() goes on too. Tiles may differ in their number of samples.
     [[nodiscard]] Film film() const;
-    /// The film itself, when there is nothing more to do with this.
+    /// The film itself; only while nothing advances.
+    [[nodiscard]] const Film &filmAtRest() const;
+    /// The film to keep, when there is nothing more to do with this.
     [[nodiscard]] Film takeFilm() &&;
 
     /// Writes all that restore() needs to go on. Waits for an advance() to return.
@@ -73,6 +78,9 @@ class FrameRender {
     /// Goes on where another process saved. The options must be those of then, but for spp where the frame is not adaptive. Throws
     /// InputError, which says what differs or is damaged, and leaves things as they were.
     void restore(std::istream &in);
+
+    /// The film of what save() wrote, whatever frame that is of. Throws InputError where it is damaged.
+    static Film savedFilm(std::istream &in);
 
     /// Of all advance() calls together.
     [[nodiscard]] StageTimes times() const;

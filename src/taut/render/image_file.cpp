@@ -6,20 +6,10 @@
 #include "taut/images/image_codec.h"
 
 #include <cmath>
-#include <filesystem>
 
 namespace taut {
 
 namespace {
-
-namespace fs = std::filesystem;
-
-void makeParent(const std::string &path) {
-    const fs::path parent = fs::path(path).parent_path();
-    std::error_code error;
-    if (!parent.empty()) fs::create_directories(parent, error);
-    if (error) throw RunError(path + ": can't make its folder: " + error.message());
-}
 
 /// The first three channels, 8 bit sRGB.
 std::vector<unsigned char> srgbBytes(const Image &image) {
@@ -39,7 +29,7 @@ bool isImagePath(const std::string &path) {
 }
 
 void writeImage(const std::string &path, const Image &image, const Metadata &metadata) {
-    makeParent(path);
+    makeFolderOf(path);
     OutputFile file(path); // before the work of encoding, so that a folder without room is known at once
     const bool png = lowerExtension(path) == "png";
     ImagePart part;
@@ -55,6 +45,7 @@ void writeImage(const std::string &path, const Image &image, const Metadata &met
         part.attributes.emplace_back("compression", "zip");
     }
     part.attributes.emplace_back("oiio:ColorSpace", png ? "sRGB" : "Linear");
+    part.attributes.emplace_back("DateTime", ""); // the same picture is the same file
     part.attributes.insert(part.attributes.end(), metadata.begin(), metadata.end());
     const std::vector<unsigned char> bytes = png ? srgbBytes(image) : std::vector<unsigned char>();
     const ImageToEncode content{part, png ? SampleType::UInt8 : SampleType::Float, image.values.data(), png ? bytes.data() : nullptr};
@@ -90,7 +81,7 @@ Image readImage(const std::string &path) {
 }
 
 void writeTextFile(const std::string &path, const std::string &text) {
-    makeParent(path);
+    makeFolderOf(path);
     writeFileWhole(path, text);
 }
 

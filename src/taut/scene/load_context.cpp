@@ -19,7 +19,7 @@ std::string resolvedPath(const LoadContext &context, const std::string &path) {
     return (folder / (asWritten ? path : forward)).lexically_normal().string();
 }
 
-std::string filePath(const LoadContext &context, const TomlValue &value) {
+std::string filePath(LoadContext &context, const TomlValue &value) {
     const std::string path = resolvedPath(context, toText(value));
     const bool sane = value.text.find('\0') == std::string::npos && !value.text.empty();
     std::error_code error;
@@ -29,6 +29,7 @@ std::string filePath(const LoadContext &context, const TomlValue &value) {
     if (!fs::is_regular_file(status)) failInput(value.where, quoted(value.text) + ", but " + path + " is not a file", "a file");
     if (!std::ifstream(path, std::ios::binary))
         failInput(value.where, quoted(value.text) + ", but " + path + " can't be opened", "a readable file");
+    context.scene.inputs.insert(path);
     return path;
 }
 
@@ -37,6 +38,9 @@ std::shared_ptr<const GltfFile> gltfFile(LoadContext &context, const std::string
     if (!file) {
         file = std::make_shared<const GltfFile>(readGltf(path, context.warnings));
         context.scene.files.push_back(summaryOf(*file));
+        context.scene.inputs.insert(file->bufferPaths.begin(), file->bufferPaths.end());
+        for (const GltfImage &image : file->images)
+            if (!image.path.empty()) context.scene.inputs.insert(image.path);
     }
     return file;
 }

@@ -43,8 +43,8 @@ struct LoadContext {
     const TomlValue *wholeClip = nullptr; ///< frames = "clip"
 };
 
-/// The path a key names, relative to the scene file. Throws at the key where that is no readable file.
-std::string filePath(const LoadContext &context, const TomlValue &value);
+/// The path a key names, relative to the scene file, which is one of its inputs. Throws at the key where that is no readable file.
+std::string filePath(LoadContext &context, const TomlValue &value);
 /// A path relative to the scene file, whether it is there or not: for patterns. Backslashes, which are separators where many files were
 /// made, count as slashes unless there is a file of that very name, or no folder of the other.
 std::string resolvedPath(const LoadContext &context, const std::string &path);

@@ -117,7 +117,7 @@ void addGltf(LoadContext &context, TableReader &table, const TomlValue &file, Ob
 }
 
 /// A point cache that fits the mesh.
-std::shared_ptr<const PointSource> pointCache(const LoadContext &context, const TomlValue &value, const Mesh &mesh, bool isSequence) {
+std::shared_ptr<const PointSource> pointCache(LoadContext &context, const TomlValue &value, const Mesh &mesh, bool isSequence) {
     if (!isPointCachePath(toText(value))) failInput(value.where, quoted(value.text), "a file ending in .pc2 or .mdd");
     if (isSequence) failInput(value.where, "a cache for a numbered sequence", "one of the two");
     std::shared_ptr<const PointSource> cache = cachePoints(filePath(context, value));
@@ -159,6 +159,7 @@ void addMesh(LoadContext &context, TableReader &table, const TomlValue &file, Ob
             failInput(file.where, quoted(file.text) + ", but there is no such file as " + pathOfFrame(pattern, 1),
                       "a numbered sequence of meshes");
         path = pathOfFrame(pattern, frames.front());
+        for (const int frame : frames) context.scene.inputs.insert(pathOfFrame(pattern, frame));
     } else {
         path = filePath(context, file);
     }

@@ -92,7 +92,9 @@ void setClipFrames(const TomlValue &asked, Scene &scene) {
 } // namespace
 
 Scene loadScene(const std::string &path, const std::vector<std::string> &overrides, Warnings &warnings) {
-    return loadScene({readRoot(path), path, std::filesystem::path(path).parent_path().string(), {}}, overrides, warnings);
+    Scene scene = loadScene({readRoot(path), path, std::filesystem::path(path).parent_path().string(), {}}, overrides, warnings);
+    if (lowerExtension(path) == "toml") scene.inputs.insert(path);
+    return scene;
 }
 
 Scene loadScene(SceneTree tree, const std::vector<std::string> &overrides, Warnings &warnings) {

@@ -19,6 +19,7 @@
 #include <algorithm>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -152,6 +153,7 @@ struct SceneFile {
 struct Scene {
     std::string path;
     std::vector<SceneFile> files; ///< in the order of their reading
+    std::set<std::string> inputs; ///< paths of all files that decide the picture: read already, or to be read at some frame
     RenderSettings render;
     Camera camera;
     std::optional<Environment> environment;

@@ -1,0 +1,26 @@
+#pragma once
+/// The image files of a frame, as `taut render` and `taut merge` write them.
+
+#include "taut/render/saved_frame.h"
+
+#include <string>
+#include <vector>
+
+namespace taut::app {
+
+/// Throws InputError where a name is no image's, or several frames would go into one file.
+void checkOutputs(const std::vector<std::string> &outputs, std::size_t frames);
+
+/// The paths of a frame's images, of patterns.
+std::vector<std::string> pathsOf(const std::vector<std::string> &outputs, int frame);
+
+/// Whether all of these files are there.
+bool areThere(const std::vector<std::string> &paths);
+
+/// Throws RunError where a file beside `path` can't be written: before the work, not after it.
+void checkWritable(const std::string &path);
+
+/// Writes each of `outputs`, patterns of paths, with the head's metadata and what follows from the film.
+void writeImages(const SavedHead &head, const Film &film, const std::vector<std::string> &outputs);
+
+} // namespace taut::app

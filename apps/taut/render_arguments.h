@@ -1,0 +1,59 @@
+#pragma once
+/// What `taut render` is asked for.
+
+#include "frame_job.h"
+#include "progress.h"
+#include "scene_arguments.h"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace taut::app {
+
+/// Which share of the work this process does.
+enum class ShardBy { Frames, Samples, Rows };
+struct Shard {
+    ShardBy by = ShardBy::Frames;
+    int index = 1, count = 1; ///< from 1
+};
+
+struct RenderArguments {
+    SceneArguments scene;
+    ModelArguments model;
+    std::vector<std::string> outputs;
+    std::string only;
+    int spp = 0;
+    std::string time;
+    std::optional<std::string> noise;
+    std::optional<std::uint32_t> seed;
+    bool fixedSeed = false;
+    std::string crop;
+    std::vector<std::string> aovs;
+    std::string checkpoint, timeLimit;
+    bool resume = false;
+    bool skipExisting = false;
+    std::string shard, shardBy;
+    bool check = false;
+    bool quiet = false;
+    std::string progress;
+    std::string stats;
+};
+
+/// --spp, --time, --noise, --seed, --fixed-seed, --crop and --aov: what a frame holds.
+void addSampleArguments(CLI::App &command, RenderArguments &arguments);
+void addRenderArguments(CLI::App &command, RenderArguments &arguments);
+
+// What the texts among them mean. All throw InputError.
+ProgressStyle progressStyleOf(const RenderArguments &arguments);
+/// The scene with what the command line says about it.
+Scene sceneOf(const RenderArguments &arguments);
+/// Options of every whole frame, but for its seed.
+FrameOptions optionsOf(const RenderArguments &arguments, const RenderSettings &render);
+CheckpointOptions checkpointsOf(const RenderArguments &arguments);
+/// None: the whole work.
+std::optional<Shard> shardOf(const RenderArguments &arguments, const FrameOptions &options, std::size_t frames);
+/// Those of the scene's frames that this process renders.
+std::vector<int> framesOf(const RenderArguments &arguments, const std::optional<Shard> &shard, const std::vector<int> &frames);
+
+} // namespace taut::app
