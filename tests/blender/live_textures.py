@@ -147,6 +147,7 @@ shader()[1].distribution = "GGX"
 linked(image_of("holes", np.round(waves(0, 1, 4)), "sRGB"), "Alpha", "Alpha")
 without_warnings("a surface with holes", 0.003)
 
+
 # --- what shines ---
 def emitter(kind, colour, strength):
     made = bpy.data.materials.new("shining")

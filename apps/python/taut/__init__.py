@@ -35,6 +35,7 @@ from ._taut import version as __version__
 
 for _thing in (InputError, RunError):
     _thing.__module__ = "taut"  # where they are found
+del _thing
 
 
 def limit_threads(threads: int) -> None:
