@@ -271,8 +271,7 @@ TEST_CASE("damaged image files never do more than throw InputError", "[texture][
     for (float &texel : texels) texel = static_cast<float>(random() % 256) / 255;
     for (const char *name : {"image.png", "image.exr", "image.hdr", "image.tif", "image.jpg", "image.webp", "image.tga", "image.bmp"}) {
         const bool isFloat = std::string(name) == "image.exr" || std::string(name) == "image.hdr";
-        const std::string whole =
-            readBytes(writeImage(folder, name, 32, 16, 3, texels, isFloat ? SampleType::Float : SampleType::UInt8));
+        const std::string whole = readBytes(writeImage(folder, name, 32, 16, 3, texels, isFloat ? SampleType::Float : SampleType::UInt8));
         const std::string path = folder + "/damaged_" + name;
         int refused = 0;
         for (int i = 0; i < 120; ++i) {

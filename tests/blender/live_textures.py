@@ -12,6 +12,7 @@ import numpy as np
 
 sys.path.insert(0, os.path.dirname(__file__))
 from beside_cycles import add, alike, fresh, ground, light, pictures, scratch, taut_render  # noqa: E402
+from taut_gloss import versions  # noqa: E402
 
 SIDE = 64
 
@@ -23,11 +24,18 @@ def waves(low, high, channels=3):
     return (low + (high - low) * np.stack(parts, -1)).astype(np.float32)
 
 
+def set_space(image, space):
+    if space == "Linear":
+        versions.set_linear(image.colorspace_settings)
+    else:
+        image.colorspace_settings.name = space
+
+
 def image_of(name, texels, space="sRGB", floats=False, saved=True):
     """An image of texels as they are stored; in a file of the scratch folder, or only here."""
     height, width, channels = texels.shape
     image = bpy.data.images.new(name, width, height, float_buffer=floats, alpha=channels == 4)
-    image.colorspace_settings.name = space
+    set_space(image, space)
     rgba = np.ones((height, width, 4), np.float32)
     rgba[..., :channels] = texels
     image.pixels.foreach_set(rgba.ravel())
@@ -38,7 +46,7 @@ def image_of(name, texels, space="sRGB", floats=False, saved=True):
     image.save()
     bpy.data.images.remove(image)
     image = bpy.data.images.load(path)
-    image.colorspace_settings.name = space
+    set_space(image, space)
     return image
 
 
