@@ -123,6 +123,10 @@ const std::vector<Malformed> kMeshes{
     {"[[mesh]]\nfile = \"figure.glb\"\nmaterial = { pant = \"a\" }\n[material.a]\n", "5:14", {"'pant'", "paint"}},
     {"[[mesh]]\nfile = \"parts.obj\"\nmaterial = { Bodi = \"a\" }\n[material.a]\n", "5:14", {"'Bodi'", "did you mean 'Body'?"}},
     {"[[light]]\ntype = \"mesh\"\nmesh = \"panal\"\n", "5:8", {"'panal'", "panel"}},
+    {"[[light]]\ntype = \"mesh\"\nmesh = \"panel\"\nslot = \"Trim\"\n", "6:8", {"'Trim'", "a mesh with several materials"}},
+    {"[[mesh]]\nfile = \"parts.obj\"\n[[light]]\ntype = \"mesh\"\nmesh = \"parts\"\nslot = \"Trin\"\n",
+     "8:8",
+     {"'Trin'", "did you mean 'Trim'?"}},
     {"[mesh.deform]\ntype = \"shear\"\n", "3:1", {"found a table", "[[mesh.deform]]"}},
     {"[[mesh.deform]]\ntype = \"sheer\"\n", "4:8", {"'sheer'", "did you mean 'shear'?"}},
     {"[[mesh.deform]]\ntype = \"shear\"\nangle_deg = 3\n", "5:1", {"'angle_deg'", "one of type, centre, plane, amount"}},
@@ -267,8 +271,7 @@ TEST_CASE("damaged image files never do more than throw InputError", "[texture][
     for (float &texel : texels) texel = static_cast<float>(random() % 256) / 255;
     for (const char *name : {"image.png", "image.exr", "image.hdr", "image.tif", "image.jpg", "image.webp", "image.tga", "image.bmp"}) {
         const bool isFloat = std::string(name) == "image.exr" || std::string(name) == "image.hdr";
-        const std::string whole =
-            readBytes(writeImage(folder, name, 32, 16, 3, texels, isFloat ? SampleType::Float : SampleType::UInt8));
+        const std::string whole = readBytes(writeImage(folder, name, 32, 16, 3, texels, isFloat ? SampleType::Float : SampleType::UInt8));
         const std::string path = folder + "/damaged_" + name;
         int refused = 0;
         for (int i = 0; i < 120; ++i) {

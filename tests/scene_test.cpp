@@ -192,6 +192,29 @@ material = { Trim = "glass", Body = "car" }
     CHECK(parts.materials == std::vector<Index>{2, 1});
 }
 
+TEST_CASE("One material of a mesh shines", "[scene][light]") {
+    const std::string folder = sceneFolder("scene");
+    const std::string scene = R"(
+[[light]]
+type = "mesh"
+mesh = "parts"
+slot = "Trim"
+radiance = [1, 2, 3]
+two_sided = true
+[[mesh]]
+file = "parts.obj"
+)";
+    const Object parts = loadText(folder, scene).objects.at(0);
+    CHECK(emissionOf(parts, 0).radiance.value == Vec3(0));
+    CHECK(emissionOf(parts, 1).radiance.value == Vec3(1, 2, 3));
+    CHECK(emissionOf(parts, 1).twoSided);
+    CHECK(!loadText(folder, scene).environment); // it lights the scene
+    // The rest of it may shine otherwise.
+    const Object both = loadText(folder, "[[light]]\ntype = \"mesh\"\nmesh = \"parts\"\nradiance = 5\n" + scene).objects.at(0);
+    CHECK(emissionOf(both, 0).radiance.value == Vec3(5));
+    CHECK(emissionOf(both, 1).radiance.value == Vec3(1, 2, 3));
+}
+
 TEST_CASE("an empty table takes the defaults of the structures", "[scene]") {
     const std::string folder = sceneFolder("scene");
     const Scene scene =

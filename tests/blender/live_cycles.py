@@ -3,7 +3,8 @@
     blender -b -noaudio --factory-startup --python-exit-code 1 --python live_cycles.py -- ADDON_FOLDER PACKAGE_FOLDER SCRATCH TAUT SPP
 
 Prints "relMSE NAME VALUE filtered VALUE" against the picture of `taut render` (cycles.py): of Cycles with the gloss following, the same as a
-frame of an animation, with roughness held fixed, of "Render with Taut", and of Taut's picture with another seed, the noise.
+frame of an animation, with roughness held fixed, of "Render with Taut", and of Taut's picture with another seed, the noise; then of a
+metal that roughens by its strain, against its own picture.
 """
 
 import importlib.util
@@ -26,7 +27,7 @@ specification = importlib.util.spec_from_file_location("taut_cycles", os.path.jo
 cycles = importlib.util.module_from_spec(specification)
 specification.loader.exec_module(cycles)
 
-FRAME = 24
+FRAME, ROUGHENING, YIELD = 24, 0.375, 0.0625
 SCENE = os.path.join(addon, "panel.toml")
 with open(SCENE, "rb") as stream:
     described = tomllib.load(stream)
@@ -96,6 +97,15 @@ def render(name):
     return cycles.load(scene.render.filepath)
 
 
+def render_with_taut():
+    assert bpy.ops.taut.render(samples=int(spp)) == {"FINISHED"}
+    shown = bpy.data.images["Taut"]
+    pixels = np.empty(len(shown.pixels), np.float32)
+    shown.pixels.foreach_get(pixels)
+    width, height = shown.size
+    return pixels.reshape(height, width, 4)[..., :3].astype(np.float64)
+
+
 images = {}
 # As a frame of an animation, from a scene that stands elsewhere: the handler runs inside of the render.
 scene.frame_set(1)
@@ -105,12 +115,11 @@ bpy.ops.render.render(animation=True)
 images["cycles_in_an_animation"] = cycles.load(os.path.join(scratch, f"animation.{FRAME:04}.exr"))
 scene.frame_set(FRAME)
 images["cycles_follow"] = render("follow.exr")
-assert bpy.ops.taut.render(samples=int(spp)) == {"FINISHED"}
-shown = bpy.data.images["Taut"]
-pixels = np.empty(len(shown.pixels), np.float32)
-shown.pixels.foreach_get(pixels)
-width, height = shown.size
-images["render_with_taut"] = pixels.reshape(height, width, 4)[..., :3].astype(np.float64)
+images["render_with_taut"] = render_with_taut()
+item.taut.roughening, item.taut.yield_strain = ROUGHENING, YIELD
+images["cycles_roughened"] = render("roughened.exr")
+images["render_with_taut_roughened"] = render_with_taut()
+item.taut.roughening = 0
 # Held fixed: the gloss of the rest shape on the deformed one.
 item.taut.enabled = False
 rest = taut.gloss(points, points, faces, uv, alpha=tuple(described["material"]["brushed"]["alpha"]), per="corner")
@@ -121,8 +130,12 @@ mesh.update()
 images["cycles_fixed"] = render("fixed.exr")
 reference = taut_render("taut.exr")
 images["taut_other_seed"] = taut_render("again.exr", "--seed", "7")
+metal = [f"material.brushed.roughening={ROUGHENING}", f"material.brushed.yield={YIELD}"]
+roughened = taut_render("metal.exr", *(word for words in metal for word in ("-D", words)))
+images["geometry_alone_roughened"] = images["cycles_follow"]  # geometry alone, beside the metal
 for name, image in images.items():
-    raw, filtered = cycles.relative_error(image, reference), cycles.relative_error(cycles.box(image), cycles.box(reference))
+    against = roughened if name.endswith("roughened") else reference
+    raw, filtered = cycles.relative_error(image, against), cycles.relative_error(cycles.box(image), cycles.box(against))
     print(f"relMSE {name} {raw:.6g} filtered {filtered:.6g}")
 scale = np.percentile(reference, 99)
 columns = [np.concatenate([0.5 + 2 * (image - reference) / scale, image / scale], 0) for image in [reference, *images.values()]]

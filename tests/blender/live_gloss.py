@@ -80,7 +80,7 @@ def follow(name, item, rest, least_change):
         assert settings.message == "", settings.message
         m, tangent, points = shown(item)
         per = "point" if len(m) == len(points) else "corner"
-        expected = taut.gloss(rest, points, faces, uv, tuple(settings.alpha), settings.rotation, settings.poisson, per=per)
+        expected = taut.gloss(rest, points, faces, uv, per=per, **{**settings.material(), "alpha": live.alphas_of(item)})
         worst = max(worst, float((np.abs(m - expected.M[:, :3]) / np.maximum(1, np.abs(expected.M[:, :3]))).max()))
         worst = max(worst, float(np.abs(tangent - expected.tangent).max()))
         moved = max(moved, float(np.abs(expected.stretch - 1).max()))
@@ -155,7 +155,7 @@ def lattice():
         bent.value = value
         bent.keyframe_insert("value", frame=frame)
     item.modifiers.new("Lattice", "LATTICE").object = cage
-    return enable(item, alpha=(0.2, 0.2)), points
+    return enable(item, alpha=(0.2, 0.2), roughening=0.4, yield_strain=0.01), points
 
 
 taut_gloss.register()
@@ -199,6 +199,35 @@ np.testing.assert_allclose(shown(item)[0], np.tile([5, 0, 5], (len(m), 1)), atol
 other = add(bpy.data.objects.new("other", mesh_of("other", *sheet(3)[:2])))
 item.taut.rest_object = other
 assert "has 9 points, expected 625" in item.taut.message
+
+# --- presets, and alpha of an attribute ---
+bpy.context.view_layer.objects.active = item
+item.taut.rest = "BIND"
+for name, preset in taut.presets.items():
+    assert bpy.ops.taut.take_preset(preset=name) == {"FINISHED"}
+    for key, value in preset.items():
+        np.testing.assert_allclose(getattr(item.taut, key), value, rtol=1e-6)
+scene.frame_set(24)
+roughened = shown(item)[0].copy()
+item.taut.roughening = 0
+assert np.abs(shown(item)[0] - roughened).max() > 0.5
+item.taut.alpha_attribute = "fine"
+assert "has no attribute 'fine' of numbers at its points" in item.taut.message, item.taut.message
+mesh = item.data
+for kind, key, columns in (("FLOAT", "value", 1), ("FLOAT2", "vector", 2), ("FLOAT_VECTOR", "vector", 3), ("FLOAT_COLOR", "color", 4)):
+    values = np.random.default_rng(columns).uniform(0.05, 0.5, (len(mesh.vertices), columns)).astype("f4")
+    attributes.remove(mesh, "fine")
+    mesh.attributes.new("fine", kind, "POINT").data.foreach_set(key, values.ravel())
+    mesh.update()
+    bpy.context.view_layer.update()
+    scene.frame_set(24)
+    assert item.taut.message == "", item.taut.message
+    m, tangent, points = shown(item)
+    options = {**item.taut.material(), "alpha": values[:, [0, min(columns, 2) - 1]]}
+    per = "point" if len(m) == len(points) else "corner"
+    expected = taut.gloss(rest, points, attributes.faces_of(mesh), attributes.uv_of(mesh), per=per, **options)
+    assert np.abs(m - expected.M[:, :3]).max() <= 1e-5, kind
+item.taut.alpha_attribute = ""
 
 # --- topology, emptiness, users, edit mode, bad settings ---
 item, rest = lattice()

@@ -46,6 +46,12 @@ def test_render_with_taut_takes_the_scene_as_it_is(tmp_path):
     print("\n".join(line for line in said.splitlines() if " against " in line))
 
 
+def test_render_with_taut_takes_images_and_what_shines(tmp_path):
+    said = run("live_textures.py", tmp_path)
+    assert "ALL RIGHT" in said
+    print("\n".join(line for line in said.splitlines() if " against " in line))
+
+
 def test_cycles_with_the_add_on_shows_what_taut_renders(tmp_path):
     if "TAUT_COMMAND" not in os.environ:
         pytest.skip("TAUT_COMMAND is not set")
@@ -54,6 +60,7 @@ def test_cycles_with_the_add_on_shows_what_taut_renders(tmp_path):
     error = {name: float(filtered) for _, name, _, _, filtered in rows}
     print(error)
     noise = error["taut_other_seed"]
-    for name in ("cycles_follow", "cycles_in_an_animation", "render_with_taut"):
+    for name in ("cycles_follow", "cycles_in_an_animation", "render_with_taut", "cycles_roughened", "render_with_taut_roughened"):
         assert error[name] < 1.5 * noise, name
-    assert error["cycles_fixed"] > 5 * noise
+    for name in ("cycles_fixed", "geometry_alone_roughened"):
+        assert error[name] > 5 * noise, name

@@ -3,6 +3,7 @@
 import ast
 import inspect
 import pydoc
+import re
 
 import pytest
 import taut
@@ -14,14 +15,29 @@ PACKAGE = ROOT / "apps" / "python" / "taut"
 
 
 def declared(path):
-    """Names of a stub: functions, variables, and classes with their members."""
+    """Names of a stub: variables, functions with their arguments, and classes with their members'."""
     names = {}
     for node in ast.parse(path.read_text()).body:
-        if isinstance(node, (ast.FunctionDef, ast.ClassDef)):
-            names[node.name] = {m.name for m in getattr(node, "body", []) if isinstance(m, ast.FunctionDef)}
+        if isinstance(node, ast.FunctionDef):
+            names[node.name] = arguments(node)
+        elif isinstance(node, ast.ClassDef):
+            names[node.name] = {m.name: arguments(m) for m in node.body if isinstance(m, ast.FunctionDef)}
         elif isinstance(node, ast.AnnAssign):
-            names[node.target.id] = set()
+            names[node.target.id] = None
     return names
+
+
+def arguments(node):
+    return [argument.arg for argument in node.args.args]
+
+
+def compiled_arguments(function):
+    """As pybind11 writes them into the first line of the docstring: name(first: type[..., ...], second: type) -> type."""
+    line = function.__doc__.strip().splitlines()[0]
+    inside = line[line.index("(") + 1 : line.rindex(") ->")]
+    while inside != (inside := re.sub(r"\[[^\[\]]*\]", "", inside)):  # types in brackets have commas of their own
+        pass
+    return [argument.split(":")[0].strip() for argument in inside.split(",") if argument.strip()]
 
 
 def public(thing):
@@ -32,10 +48,18 @@ def public(thing):
 def test_stubs_name_what_is_compiled(stub, module):
     names = declared(PACKAGE / "_taut" / stub)
     assert set(names) == public(module) - {"microsurface"}
-    for name, members in names.items():
+    for name, found in names.items():
         thing = getattr(module, name)
         if inspect.isclass(thing) and not issubclass(thing, Exception):
-            assert members - {"__init__"} == public(thing), name
+            assert set(found) - {"__init__"} == public(thing), name
+            calls = {f"{name}.{member}": (getattr(thing, member), found[member]) for member in found}
+        else:
+            calls = {name: (thing, found)} if callable(thing) else {}
+        for call, (function, stub) in calls.items():
+            if callable(function) and not inspect.isclass(function):
+                compiled = compiled_arguments(function)
+                assert len(stub) == len(compiled), call
+                assert all(c.startswith("arg") or c == s for c, s in zip(compiled, stub)), (call, compiled, stub)
 
 
 def test_stubs_are_true_to_types():

@@ -39,6 +39,18 @@ def vectors_of(mesh, name):
     return values.reshape(-1, 3)
 
 
+def numbers_of(mesh, name):
+    """An attribute of points that is numbers, [vertices, columns]; None where there is none."""
+    attribute = mesh.attributes.get(name)
+    kinds = {"FLOAT": ("value", 1), "FLOAT2": ("vector", 2), "FLOAT_VECTOR": ("vector", 3), "FLOAT_COLOR": ("color", 4)}
+    if attribute is None or attribute.domain != "POINT" or attribute.data_type not in kinds:
+        return None
+    key, columns = kinds[attribute.data_type]
+    values = numpy.empty(columns * len(attribute.data), numpy.float32)
+    attribute.data.foreach_get(key, values)
+    return values.reshape(-1, columns)
+
+
 def set_vectors(mesh, name, values, domain):
     """A vector at every vertex (POINT) or corner (CORNER)."""
     attribute = mesh.attributes.get(name)

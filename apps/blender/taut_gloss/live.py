@@ -16,7 +16,7 @@ import numpy
 from bpy.app.handlers import persistent
 
 from . import versions
-from .attributes import faces_of, points_of, remove, set_vectors, uv_of, vectors_of, write_in_place
+from .attributes import faces_of, numbers_of, points_of, remove, set_vectors, uv_of, vectors_of, write_in_place
 
 M, TANGENT, REST = "taut_m", "taut_tangent", "taut_rest"
 NO_MODULE = "The Python package taut is not installed: `make python`"
@@ -29,8 +29,11 @@ class Trouble(Exception):
 class _Kept:
     """A taut.Gloss with what it was made of, and the positions that the attributes are of."""
 
-    def __init__(self, gloss, counts, domain):
-        self.gloss, self.counts, self.domain, self.positions = gloss, counts, domain, None
+    def __init__(self, gloss, counts, alphas, domain):
+        self.gloss, self.counts, self.alphas, self.domain, self.positions = gloss, counts, alphas, domain, None
+
+    def is_of(self, mesh, alphas):
+        return self.counts == counts_of(mesh) and numpy.array_equal(self.alphas, alphas)
 
 
 _kept = {}  # by the object's full name
@@ -89,29 +92,33 @@ def evaluated_points(item, depsgraph):
     return points_of(evaluated)
 
 
-def _make(item, depsgraph):
+def alphas_of(item):
+    """Alpha at rest: a pair, or [vertices, 2] of the attribute that the panel names."""
+    name = item.taut.alpha_attribute
+    if not name:
+        return tuple(item.taut.alpha)
+    values = numbers_of(item.data, name)
+    if values is None:
+        raise Trouble(f"Mesh '{item.data.name}' has no attribute '{name}' of numbers at its points")
+    return values[:, [0, 0] if values.shape[1] == 1 else [0, 1]]
+
+
+def _make(item, depsgraph, alphas):
     import taut
 
-    mesh, settings = item.data, item.taut
+    mesh = item.data
     normals = None
     if versions.has_custom_normals(mesh):
         mesh.calc_normals_split() if hasattr(mesh, "calc_normals_split") else None
         normals = numpy.empty(3 * len(mesh.loops), numpy.float32)
         mesh.loops.foreach_get("normal", normals)
         normals = normals.reshape(-1, 3)
-    arguments = (
-        rest_points(item, depsgraph),
-        faces_of(mesh),
-        uv_of(mesh),
-        tuple(settings.alpha),
-        settings.rotation,
-        settings.poisson,
-        normals,
-    )
-    gloss = taut.Gloss(*arguments)
+    arguments = (rest_points(item, depsgraph), faces_of(mesh), uv_of(mesh))
+    options = {**item.taut.material(), "alpha": alphas, "normals": normals}
+    gloss = taut.Gloss(*arguments, **options)
     if gloss.split_points == 0:
-        return _Kept(gloss, counts_of(mesh), "POINT")
-    return _Kept(taut.Gloss(*arguments, per="corner"), counts_of(mesh), "CORNER")
+        return _Kept(gloss, counts_of(mesh), alphas, "POINT")
+    return _Kept(taut.Gloss(*arguments, per="corner", **options), counts_of(mesh), alphas, "CORNER")
 
 
 def _check(item):
@@ -168,10 +175,11 @@ def compute(item, depsgraph, anew=True):
         raise Trouble(NO_MODULE) from None
     _check(item)
     positions = evaluated_points(item, depsgraph)
+    alphas = alphas_of(item)
     kept = _kept.get(item.name_full)
     try:
-        if kept is None or kept.counts != counts_of(item.data):
-            kept = _kept[item.name_full] = _make(item, depsgraph)
+        if kept is None or not kept.is_of(item.data, alphas):
+            kept = _kept[item.name_full] = _make(item, depsgraph, alphas)
         elif (
             not anew
             and kept.positions is not None

@@ -10,6 +10,8 @@ import bpy
 
 from . import versions
 
+GROUP = "Taut gloss"  # the node group's name
+
 
 class NodeMath:
     """Writes formulas as Math nodes of a tree."""
@@ -36,10 +38,10 @@ def gloss_group():
 
     Anisotropic is Principled's.
     """
-    known = bpy.data.node_groups.get("Taut gloss")
+    known = bpy.data.node_groups.get(GROUP)
     if known is not None:
         return known
-    group = bpy.data.node_groups.new("Taut gloss", "ShaderNodeTree")
+    group = bpy.data.node_groups.new(GROUP, "ShaderNodeTree")
     versions.new_socket(group, "NodeSocketVector", "M", "INPUT")
     for name in ("Roughness", "Anisotropy", "Rotation", "Anisotropic"):
         versions.new_socket(group, "NodeSocketFloat", name, "OUTPUT")

@@ -40,9 +40,28 @@ class TautSettings(bpy.types.PropertyGroup):
         description="Poisson's ratio: 0 keeps the thickness, 0.5 the volume, -1 leaves alpha alone where all is scaled",
         update=live.settings_changed,
     )  # fmt: skip
+    roughening: FloatProperty(
+        name="Roughening", default=0, min=0, soft_max=1, precision=3,
+        description="Alpha that metal gains per unit of strain beyond the yield; 0: gloss follows geometry alone, as rubber's and skin's",
+        update=live.settings_changed,
+    )  # fmt: skip
+    yield_strain: FloatProperty(
+        name="Yield", default=0, min=0, soft_max=0.1, precision=4,
+        description="The strain from which metal roughens; about 0.002 to 0.01",
+        update=live.settings_changed,
+    )  # fmt: skip
+    alpha_attribute: StringProperty(
+        name="Alpha Attribute", description="An attribute of the mesh's points in the place of Alpha: a number, or two as it has",
+        update=live.settings_changed,
+    )  # fmt: skip
     use_cache: BoolProperty(name="Use Baked", description="Read what was baked instead of computing", update=live.settings_changed)
     cache: StringProperty(name="Folder", subtype="DIR_PATH", default="//taut_gloss/", description="Of baked gloss, a file a frame")
     message: StringProperty(options={"SKIP_SAVE"})
+
+    def material(self):
+        """The material at rest, as taut.Gloss takes it."""
+        names = ("rotation", "poisson", "roughening", "yield_strain")
+        return {"alpha": tuple(self.alpha), **{name: getattr(self, name) for name in names}}
 
 
 class _OnMesh:
@@ -63,6 +82,32 @@ class SetMaterial(_OnMesh, bpy.types.Operator):
         told = material.set_up(context.object)
         self.report({"INFO" if told[0] else "WARNING"}, told[1])
         return {"FINISHED" if told[0] else "CANCELLED"}
+
+
+def _presets(_self, _context):
+    """Items of a menu, which Blender wants kept."""
+    try:
+        import taut
+    except ImportError:
+        return []
+    _presets.items = [(name, name.capitalize(), "") for name in taut.presets]
+    return _presets.items
+
+
+class TakePreset(_OnMesh, bpy.types.Operator):
+    """Take the alpha, Poisson's ratio and roughening of a material whose response to a deformation is known"""
+
+    bl_idname = "taut.take_preset"
+    bl_label = "Preset"
+
+    preset: EnumProperty(name="Preset", items=_presets)
+
+    def execute(self, context):
+        import taut
+
+        for name, value in taut.presets[self.preset].items():
+            setattr(context.object.taut, name, value)
+        return {"FINISHED"}
 
 
 class TakeRest(_OnMesh, bpy.types.Operator):
@@ -166,7 +211,9 @@ class TautPanel(bpy.types.Panel):
             row.operator(TakeRest.bl_idname, text="Take")
         elif settings.rest == "OBJECT":
             layout.prop(settings, "rest_object")
-        for name in ("alpha", "rotation", "poisson"):
+        layout.operator_menu_enum(TakePreset.bl_idname, "preset")
+        layout.prop_search(settings, "alpha_attribute", item.data, "attributes")
+        for name in ("alpha", "rotation", "poisson", "roughening", "yield_strain"):
             layout.prop(settings, name)
         layout.operator(SetMaterial.bl_idname)
         layout.prop(settings, "cache")
@@ -185,7 +232,7 @@ def _wrapped(text, width):
     return [*lines, line]
 
 
-CLASSES = (TautSettings, SetMaterial, TakeRest, Bake, SingleUser, TautPanel)
+CLASSES = (TautSettings, SetMaterial, TakePreset, TakeRest, Bake, SingleUser, TautPanel)
 
 
 def register():

@@ -4,6 +4,7 @@ What Taut has no counterpart for is named in a warning, and its nearest stands i
 shape; both shapes are in world space, so the object's own transform is no deformation.
 """
 
+import itertools
 import math
 
 import bpy
@@ -12,16 +13,10 @@ from bpy.props import IntProperty
 
 from . import live, versions
 from .attributes import faces_of, points_of, uv_of
+from .surfaces import Surfaces, vector
+from .textures import NoTexture, panorama
 
 IMAGE = "Taut"
-
-
-def _vector(v):
-    return [float(x) for x in v]
-
-
-def _colour(socket_value):
-    return [min(1.0, max(0.0, float(x))) for x in socket_value[:3]]
 
 
 class Description:
@@ -29,6 +24,8 @@ class Description:
 
     def __init__(self, context, spp):
         self.warnings = []
+        self.surfaces = Surfaces(self.warn)
+        self.names = set()  # of meshes: an instance has one of its own
         self.depsgraph = context.evaluated_depsgraph_get()
         scene, render = context.scene, context.scene.render
         scale = render.resolution_percentage / 100
@@ -36,7 +33,7 @@ class Description:
         self.tree = {
             "render": {"width": self.size[0], "height": self.size[1], "spp": spp, "filter": "box"},
             "light": [],
-            "material": {},
+            "material": self.surfaces.materials,
             "mesh": [],
         }
         self.add_camera(scene.camera)
@@ -58,9 +55,9 @@ class Description:
         width, height = self.size
         wide = data.sensor_fit == "HORIZONTAL" or (data.sensor_fit == "AUTO" and width >= height)
         camera = {
-            "position": _vector(matrix.translation),
-            "look_at": _vector(matrix.translation - matrix.col[2].xyz.normalized()),
-            "up": _vector(matrix.col[1].xyz),
+            "position": vector(matrix.translation),
+            "look_at": vector(matrix.translation - matrix.col[2].xyz.normalized()),
+            "up": vector(matrix.col[1].xyz),
         }
         if data.type == "ORTHO":
             camera["ortho_height"] = data.ortho_scale * (height / width if wide else 1)
@@ -80,16 +77,25 @@ class Description:
         self.tree["camera"] = camera
 
     def add_world(self, world):
-        radiance = [0.0, 0.0, 0.0]
+        environment = {"radiance": [0.0, 0.0, 0.0]}
         if world is not None and world.use_nodes:
             node = next((n for n in world.node_tree.nodes if n.type == "BACKGROUND"), None)
             if node is not None:
-                if node.inputs["Color"].is_linked or node.inputs["Strength"].is_linked:
-                    self.warn(f"world '{world.name}': its texture is left out, its plain colour stands in")
-                radiance = [float(c) * node.inputs["Strength"].default_value for c in node.inputs["Color"].default_value[:3]]
+                environment = self.background(world, node)
         elif world is not None:
-            radiance = _vector(world.color)
-        self.tree["environment"] = {"radiance": radiance}
+            environment = {"radiance": vector(world.color)}
+        self.tree["environment"] = environment
+
+    def background(self, world, node):
+        colour, strength = node.inputs["Color"], node.inputs["Strength"]
+        if strength.is_linked:
+            self.warn(f"world '{world.name}': what is linked to Strength is left out, its plain value stands in")
+        if colour.is_linked:
+            try:
+                return {**panorama(colour), "scale": float(strength.default_value)}
+            except NoTexture as why:
+                self.warn(f"world '{world.name}': what is linked to Color ({why}) is left out, its plain value stands in")
+        return {"radiance": [float(c) * strength.default_value for c in colour.default_value[:3]]}
 
     def add_light(self, item, matrix):
         data = item.data
@@ -101,7 +107,7 @@ class Description:
         position, axis = matrix.translation, -matrix.col[2].xyz.normalized()
         light = None
         if data.type == "SUN":
-            light = {"type": "directional", "direction": _vector(axis), "irradiance": colour}
+            light = {"type": "directional", "direction": vector(axis), "irradiance": colour}
             if data.angle > 0.01:
                 self.warn(f"light '{item.name}': a sun of {math.degrees(data.angle):.1f} degrees is taken as a point")
         elif data.type == "AREA":
@@ -111,93 +117,25 @@ class Description:
                 x, y = x * math.sqrt(math.pi) / 2, y * math.sqrt(math.pi) / 2
             area = x.cross(y).length
             light = {
-                "type": "quad", "corner": _vector(position - x / 2 - y / 2), "u": _vector(y), "v": _vector(x),
+                "type": "quad", "corner": vector(position - x / 2 - y / 2), "u": vector(y), "v": vector(x),
                 "radiance": times(versions.rectangle_radiance(1.0, area)), "camera_visible": item.visible_camera,
             }  # fmt: skip
         elif data.shadow_soft_size > 0 and data.type == "POINT":
             radius = data.shadow_soft_size
             light = {
-                "type": "sphere", "centre": _vector(position), "radius": radius,
+                "type": "sphere", "centre": vector(position), "radius": radius,
                 "radiance": times(1 / (4 * math.pi**2 * radius**2)), "camera_visible": item.visible_camera,
             }  # fmt: skip
         else:
-            light = {"type": "point", "position": _vector(position), "intensity": times(1 / (4 * math.pi))}
+            light = {"type": "point", "position": vector(position), "intensity": times(1 / (4 * math.pi))}
             if data.type == "SPOT":
                 outer = math.degrees(data.spot_size) / 2
                 light.update(
-                    type="spot", direction=_vector(axis), outer_deg=outer, inner_deg=min(outer * (1 - data.spot_blend), outer * 0.999)
+                    type="spot", direction=vector(axis), outer_deg=outer, inner_deg=min(outer * (1 - data.spot_blend), outer * 0.999)
                 )
                 # Cycles 3.4's spots also fall by the cosine to their axis.
                 self.warn(f"light '{item.name}': a spot's falloff, blend and radius are near to Cycles', not the same")
         self.tree["light"].append(light)
-
-    # --- materials ---
-
-    def material_of(self, material, item):
-        """The name of a material of an object; gloss that follows has the rest gloss of the object's panel."""
-        following = item.original.taut.enabled
-        name = (material.name if material else "none") + (f" of {item.name}" if following else "")
-        if name not in self.tree["material"]:
-            description = self.describe(material)
-            settings = item.original.taut
-            if following and description["type"] != "diffuse":
-                description.update(alpha=_vector(settings.alpha), rotation_deg=math.degrees(settings.rotation), poisson=settings.poisson)
-            self.tree["material"][name] = description
-        return name
-
-    def describe(self, material):
-        import taut.microsurface as ms
-
-        tree = material.node_tree if material is not None and material.use_nodes else None
-        if tree is None:
-            colour = _colour(material.diffuse_color) if material else [0.8] * 3
-            return {"type": "diffuse", "color": colour}
-        output = tree.get_output_node("CYCLES") or tree.get_output_node("ALL")
-        links = output.inputs["Surface"].links if output else ()
-        node = links[0].from_node if links else None
-        kind = node.type if node else ""
-
-        def value(name, ours=False):
-            socket = node.inputs[name]
-            if socket.is_linked and not ours:
-                self.warn(f"material '{material.name}': what is linked to {name} is left out, its plain value stands in")
-            return socket.default_value
-
-        # "Separable" is the masking of Cycles 3.4; correlated since.
-        masking = "separable" if bpy.app.version < (4, 0, 0) else "correlated"
-        if kind in versions.GLOSSY_NODES:
-            shown = {"roughness": abs(value("Roughness", True)), "anisotropy": 0.0, "rotation": 0.0}
-            if "Anisotropy" in node.inputs:
-                shown.update(anisotropy=value("Anisotropy", True), rotation=value("Rotation", True))
-            largest, smallest, phi = ms.from_convention("blender_anisotropic", **shown)
-            single = node.distribution != "MULTI_GGX"
-            return {
-                "type": "conductor", "f0": _colour(value("Color")), "alpha": self.alphas(largest, smallest),
-                "rotation_deg": math.degrees(phi), "multiscatter": "off" if single else "auto",
-                "masking": masking if single else "correlated",
-            }  # fmt: skip
-        if kind == "BSDF_PRINCIPLED":
-            largest, smallest, phi = ms.from_convention(
-                "blender",
-                roughness=value("Roughness", True),
-                anisotropic=value("Anisotropic", True),
-                rotation=value("Anisotropic Rotation", True),
-            )
-            return {
-                "type": "metallic_roughness", "color": _colour(value("Base Color")), "metallic": value("Metallic"),
-                "alpha": self.alphas(largest, smallest), "rotation_deg": math.degrees(phi),
-            }  # fmt: skip
-        if kind == "BSDF_GLASS":
-            alpha = min(10.0, max(1e-4, value("Roughness") ** 2))
-            return {"type": "dielectric", "color": _colour(value("Color")), "ior": value("IOR"), "alpha": alpha}
-        if kind == "BSDF_DIFFUSE":
-            return {"type": "diffuse", "color": _colour(value("Color"))}
-        self.warn(f"material '{material.name}': {node.bl_label if node else 'nothing'} at its output is taken as grey paint")
-        return {"type": "diffuse", "color": 0.8}
-
-    @staticmethod
-    def alphas(largest, smallest):
-        return [min(10.0, max(1e-4, float(a))) for a in (largest, smallest)]
 
     # --- meshes ---
 
@@ -223,7 +161,9 @@ class Description:
         def placed(points):
             return numpy.ascontiguousarray(points.astype(numpy.float64) @ world[:3, :3].T + world[:3, 3], dtype=numpy.float32)
 
-        entry = {"name": item.name, "faces": faces_of(mesh), "smooth": bool(mesh.polygons[0].use_smooth)}
+        name = next(n for i in itertools.count(1) if (n := item.name if i == 1 else f"{item.name} {i}") not in self.names)
+        self.names.add(name)
+        entry = {"name": name, "faces": faces_of(mesh), "smooth": bool(mesh.polygons[0].use_smooth)}
         uv = uv_of(mesh)
         if uv is not None:
             entry["uv"] = uv
@@ -233,15 +173,19 @@ class Description:
             entry.update(positions=placed(rest), points=[placed(points)])
         else:
             entry.update(positions=placed(points_of(mesh)), follow=False)
-        slots = [self.material_of(slot.material, item) for slot in item.material_slots] or [self.material_of(None, item)]
-        if len(slots) > 1:
+        used = [self.surfaces.name_of(slot.material, item) for slot in item.material_slots] or [self.surfaces.name_of(None, item)]
+        slots = [f"slot {i}" for i in range(len(used))]
+        if len(used) > 1:
             chosen = numpy.empty(len(mesh.polygons), numpy.int32)
             mesh.polygons.foreach_get("material_index", chosen)
-            names = [f"slot {i}" for i in range(len(slots))]
-            entry.update(face_materials=numpy.minimum(chosen, len(slots) - 1), material_names=names, material=dict(zip(names, slots)))
+            entry.update(face_materials=numpy.minimum(chosen, len(used) - 1), material_names=slots, material=dict(zip(slots, used)))
         else:
-            entry["material"] = slots[0]
+            entry["material"] = used[0]
         self.tree["mesh"].append(entry)
+        for slot, material in zip(slots, used):
+            if material in self.surfaces.radiance:
+                shining = {"type": "mesh", "mesh": name, "radiance": self.surfaces.radiance[material], "two_sided": True}
+                self.tree["light"].append({**shining, "slot": slot} if len(used) > 1 else shining)
 
 
 def show(picture):

@@ -27,6 +27,13 @@ def set_raw(settings):
     _first_colour_space(settings, ("Raw", "Non-Color"))
 
 
+def colour_space(name):
+    """A texture's `color_space` for an image's; None where it has none."""
+    if name == "sRGB":
+        return "srgb"
+    return "linear" if name in ("Linear", "Linear Rec.709", "Raw", "Non-Color") else None
+
+
 def rectangle_power(radiance, area):
     """Power of a rectangular lamp of this radiance: 3.4 divides by 4 areas, 4.3 by pi areas, as of a Lambertian emitter."""
     return radiance * area * (4.0 if bpy.app.version < (4, 0, 0) else math.pi)
@@ -63,3 +70,10 @@ def has_custom_normals(mesh):
 
 
 GLOSSY_NODES = {"BSDF_ANISOTROPIC", "BSDF_GLOSSY"}  # one node since 4.0, under the first name
+
+EMISSION = ("Emission", "Emission Color")  # of a Principled node; the second since 4.0
+# Sockets of a Principled node that Render with Taut does not read, and where each says nothing; the second name is that since 4.0.
+PRINCIPLED_PARTS = {
+    "Subsurface": 0.0, "Subsurface Weight": 0.0, "Specular": 0.5, "Specular IOR Level": 0.5, "Transmission": 0.0,
+    "Transmission Weight": 0.0, "Sheen": 0.0, "Sheen Weight": 0.0, "Clearcoat": 0.0, "Coat Weight": 0.0,
+}  # fmt: skip

@@ -6,7 +6,10 @@
 #include "taut/base/parallel.h"
 #include "taut/export/gloss_export.h"
 #include "taut/scene/check_scene.h"
+#include "taut/scene/material_presets.h"
+#include "taut/scene/ranges.h"
 
+#include <fmt/format.h>
 #include <pybind11/stl.h>
 
 #include <limits>
@@ -21,7 +24,7 @@ constexpr float kNothing = std::numeric_limits<float>::quiet_NaN();
 
 /// What the surface is made of, as taut.Gloss takes it.
 struct GlossMaterialOptions {
-    float alphaX, alphaY, rotation, poisson;
+    float rotation, poisson, roughening, yield;
 };
 
 /// Arrays of one frame, a row each.
@@ -34,8 +37,11 @@ struct GlossRows {
 
 class PointGloss {
   public:
-    PointGloss(const MeshArrays &arrays, const GlossMaterialOptions &material, const std::string &gradient, bool perCorner) {
-        scene_.materials.push_back(toMaterial(material));
+    /// `alphas` is [1, 2], or [points, 2].
+    PointGloss(const MeshArrays &arrays, const Array<float> &alphas, const GlossMaterialOptions &material, const std::string &gradient,
+               bool perCorner) {
+        const std::span<const Vec2> restAlphas = rowsOf<Vec2>(alphas);
+        scene_.materials.push_back(toMaterial(restAlphas.front(), material));
         Object &object = scene_.objects.emplace_back();
         object.name = "gloss";
         object.mesh = meshOf(object.name, arrays);
@@ -46,6 +52,7 @@ class PointGloss {
         const py::gil_scoped_release unlocked;
         check(scene_);
         prepareGlossObject(scene_, object, gloss_);
+        if (restAlphas.size() > 1) setRestAlphas(restAlphas);
         perCorner ? findCorners() : findPoints();
     }
 
@@ -90,15 +97,26 @@ class PointGloss {
     [[nodiscard]] std::size_t loosePoints() const { return loosePoints_; }
 
   private:
-    static Material toMaterial(const GlossMaterialOptions &options) {
+    static Material toMaterial(const Vec2 &alpha, const GlossMaterialOptions &options) {
         Material material;
         material.name = "gloss";
         material.type = BsdfType::Conductor;
-        material.alphaX.value = options.alphaX;
-        material.alphaY.value = options.alphaY;
+        material.alphaX.value = alpha.x;
+        material.alphaY.value = alpha.y;
         material.rotation.value = options.rotation;
         material.poisson = options.poisson;
+        material.roughening = options.roughening;
+        material.yield = options.yield;
         return material;
+    }
+    /// Of points, each in the range of a material's.
+    void setRestAlphas(std::span<const Vec2> alphas) {
+        for (std::size_t point = 0; point < alphas.size(); ++point)
+            for (const float alpha : {alphas[point].x, alphas[point].y})
+                if (!kAlpha.contains(static_cast<double>(alpha)))
+                    failInput({"alpha[" + std::to_string(point) + "]"}, formatNumber(alpha), describe(kAlpha));
+        gloss_.restAlphas.resize(gloss_.sources.size());
+        for (Index v = 0; v < gloss_.sources.size(); ++v) gloss_.restAlphas[v] = alphas[pointOf(v)];
     }
     static std::optional<GradientEstimator> toEstimator(const std::string &name) {
         if (name == "auto") return std::nullopt;
@@ -162,25 +180,46 @@ class PointGloss {
     std::mutex busy_; // one frame at a time
 };
 
+/// The number that was written, not its nearest float.
+py::object asWritten(float value) {
+    return py::float_(py::str(fmt::format("{}", value)));
+}
+
+/// name -> the arguments of taut.Gloss that make it.
+py::dict presets() {
+    py::dict all;
+    for (const MaterialPreset &preset : materialPresets()) {
+        const Material &m = preset.material;
+        py::dict one;
+        one["alpha"] = py::make_tuple(asWritten(m.alphaX.value), asWritten(m.alphaY.value));
+        one["poisson"] = asWritten(m.poisson);
+        one["roughening"] = asWritten(m.roughening);
+        one["yield_strain"] = asWritten(m.yield);
+        all[py::str(std::string(preset.name))] = one;
+    }
+    return all;
+}
+
 } // namespace
 
 void addGloss(py::module_ &module) {
     py::class_<PointGloss>(module, "PointGloss")
         .def(py::init([](const Array<float> &rest, const Array<std::uint32_t> &starts, const Array<std::uint32_t> &corners,
-                         const std::optional<Array<float>> &uvs, const std::optional<Array<float>> &normals,
+                         const std::optional<Array<float>> &uvs, const std::optional<Array<float>> &normals, const Array<float> &alphas,
                          const std::array<float, 4> &material, const std::string &gradient, bool perCorner) {
-                 return std::make_unique<PointGloss>(MeshArrays{rest, starts, corners, uvs, normals},
+                 return std::make_unique<PointGloss>(MeshArrays{rest, starts, corners, uvs, normals}, alphas,
                                                      GlossMaterialOptions{material[0], material[1], material[2], material[3]}, gradient,
                                                      perCorner);
              }),
              py::arg("rest").noconvert(), py::arg("starts").noconvert(), py::arg("corners").noconvert(), py::arg("uvs").noconvert(),
-             py::arg("normals").noconvert(), py::arg("material"), py::arg("gradient"), py::arg("per_corner"))
+             py::arg("normals").noconvert(), py::arg("alphas").noconvert(), py::arg("material"), py::arg("gradient"), py::arg("per_corner"))
         .def("at", &PointGloss::at, py::arg("deformed").noconvert())
         .def_property_readonly("points", &PointGloss::points)
         .def_property_readonly("rows", &PointGloss::rows)
         .def_property_readonly("vertices", &PointGloss::vertices)
         .def_property_readonly("split_points", &PointGloss::splitPoints)
         .def_property_readonly("loose_points", &PointGloss::loosePoints);
+    module.attr("presets") = presets();
 }
 
 } // namespace taut::python

@@ -21,14 +21,17 @@ struct Block {
     float ux[kSize], uy[kSize];
     float value[kSize], pdf[kSize];
 
-    void setTransform(const TransformRows<float> &m, std::size_t row, std::size_t i) {
-        const float *from = m.at(row);
-        const bool leans = m.width > 3;
-        a[i] = from[0];
-        b[i] = from[1];
-        d[i] = from[2];
-        p[i] = leans ? from[3] : 0;
-        q[i] = leans ? from[4] : 0;
+    /// Rows from `begin` on, of M and the directions to the viewer.
+    void load(const TransformRows<float> &from, const Rows<float> &viewers, std::size_t begin, std::size_t rows) {
+        for (std::size_t i = 0; i < rows; ++i) {
+            const MicroTransform t = from.transformAt(begin + i);
+            a[i] = t.a;
+            b[i] = t.b;
+            d[i] = t.d;
+            p[i] = t.p;
+            q[i] = t.q;
+            set(viewers, begin + i, i, ox, oy, oz);
+        }
     }
     static void set(const Rows<float> &from, std::size_t row, std::size_t i, float *x, float *y, float *z) {
         const float *v = from.at(row);
@@ -51,63 +54,61 @@ template <class F> void forBlocks(std::size_t count, const F &f) {
     });
 }
 
-/// Density of a reflection by caps, as sampleReflection() has it.
-template <class T> T reflectionPdf(const BasicMicroTransform<T> &m, const Vector3<T> &wo, const Vector3<T> &wi, bool bounded) {
-    if (!(wi.z > 0)) return 0;
-    const T length = ggx::stretchedLength(m, wo);
-    const T area = ggx::visibleArea(m, wo, length);
-    const T k = bounded ? ggx::capBound(m, wo) : T(1);
-    return ggx::distribution(m, wo, wi) / (2 * ggx::capArea(k, wo.z, length, area));
-}
+/// What wo sees, and the part of it that samples are of: all of it, or the cap that is bounded to what reflects upwards.
+template <class T> struct SampledArea {
+    T visible, sampled;
+    SampledArea(const BasicMicroTransform<T> &m, const Vector3<T> &wo, bool bounded) {
+        const T length = ggx::stretchedLength(m, wo);
+        visible = ggx::visibleArea(m, wo, length);
+        sampled = ggx::capArea(bounded ? ggx::capBound(m, wo) : T(1), wo.z, length, visible);
+    }
+};
 
+template <class T> T reflectionPdf(const BasicMicroTransform<T> &m, const Vector3<T> &wo, const Vector3<T> &wi, bool bounded) {
+    return wi.z > 0 ? ggx::distribution(m, wo, wi) / (2 * SampledArea<T>(m, wo, bounded).sampled) : T(0);
+}
+template <class T>
+T reflectionWeight(const BasicMicroTransform<T> &m, const Vector3<T> &wo, const Vector3<T> &wi, bool correlated, bool bounded) {
+    if (!(wi.z > 0)) return 0;
+    const SampledArea<T> area(m, wo, bounded);
+    return ggx::reflectionWeight(m, wo, wi, correlated) * (area.sampled / area.visible);
+}
 template <class T> T reflectionFCos(const BasicMicroTransform<T> &m, const Vector3<T> &wo, const Vector3<T> &wi, bool correlated) {
     return wi.z > 0 ? reflectionPdf(m, wo, wi, false) * ggx::reflectionWeight(m, wo, wi, correlated) : T(0);
 }
 
-/// One number a row, of M and one direction.
-template <class F> py::object numberOfDirection(const py::array &transforms, const py::array &direction, const F &f) {
-    return byType(transforms, [&]<class T>() -> py::object {
+/// f(M, directions...) a row, in the type of M.
+template <class F, class... D> py::object byDirections(const F &f, const py::array &transforms, const D &...directions) {
+    return byType(transforms, [&]<class T>() {
         const TransformRows<T> m(transforms);
-        const Rows<T> w(direction);
-        m.check();
-        const std::size_t count = rowCount(m, w);
-        Array<T> out = newRows<T>(count, 0);
-        T *to = out.mutable_data();
-        forRows(count, [&](std::size_t row) { to[row] = f(m.transformAt(row), w.vectorAt(row)); });
-        return out;
+        return std::apply(
+            [&](const auto &...w) {
+                return tableOf(rowCount(m, w...), [&](std::size_t row) { return f(m.transformAt(row), w.vectorAt(row)...); });
+            },
+            std::tuple(Rows<T>(directions)...));
     });
 }
-/// ... and of two.
-template <class F> py::object numberOfDirections(const py::array &transforms, const py::array &first, const py::array &second, const F &f) {
-    return byType(transforms, [&]<class T>() -> py::object {
-        const TransformRows<T> m(transforms);
-        const Rows<T> wo(first);
-        const Rows<T> wi(second);
-        m.check();
-        const std::size_t count = rowCount(m, wo, wi);
-        Array<T> out = newRows<T>(count, 0);
-        T *to = out.mutable_data();
-        forRows(count, [&](std::size_t row) { to[row] = f(m.transformAt(row), wo.vectorAt(row), wi.vectorAt(row)); });
-        return out;
-    });
+/// f(M, wo, u) a row.
+template <class T, class F>
+py::object bySamples(const F &f, const py::array &transforms, const py::array &viewers, const py::array &numbers) {
+    const TransformRows<T> m(transforms);
+    const Rows<T> wo(viewers);
+    const Rows<T> u(numbers);
+    return tableOf(rowCount(m, wo, u), [&](std::size_t row) { return f(m.transformAt(row), wo.vectorAt(row), u.pairAt(row)); });
 }
 
 /// One number a row by a vectorised loop `run(block, rows)` that leaves it in block.value.
 template <class Run>
-py::object batchedNumber(const py::array &transforms, const py::array &first, const py::array &second, const Run &run) {
+py::object batchedNumber(const py::array &transforms, const py::array &viewers, const py::array &lights, const Run &run) {
     const TransformRows<float> m(transforms);
-    const Rows<float> wo(first);
-    const Rows<float> wi(second);
-    m.check();
+    const Rows<float> wo(viewers);
+    const Rows<float> wi(lights);
     const std::size_t count = rowCount(m, wo, wi);
     Array<float> out = newRows<float>(count, 0);
     float *to = out.mutable_data();
     forBlocks(count, [&](Block &block, std::size_t begin, std::size_t rows) {
-        for (std::size_t i = 0; i < rows; ++i) {
-            block.setTransform(m, begin + i, i);
-            Block::set(wo, begin + i, i, block.ox, block.oy, block.oz);
-            Block::set(wi, begin + i, i, block.ix, block.iy, block.iz);
-        }
+        block.load(m, wo, begin, rows);
+        for (std::size_t i = 0; i < rows; ++i) Block::set(wi, begin + i, i, block.ix, block.iy, block.iz);
         run(block, rows);
         std::copy(block.value, block.value + rows, to + begin);
     });
@@ -115,159 +116,112 @@ py::object batchedNumber(const py::array &transforms, const py::array &first, co
 }
 
 py::object evaluate(const py::array &m, const py::array &wo, const py::array &wi, bool correlated) {
-    if (isDouble(m)) return numberOfDirections(m, wo, wi, [&](auto t, auto o, auto i) { return reflectionFCos(t, o, i, correlated); });
+    if (isDouble(m)) return byDirections([&](auto t, auto o, auto i) { return reflectionFCos(t, o, i, correlated); }, m, wo, wi);
     return batchedNumber(
         m, wo, wi, [&](Block &b, std::size_t rows) { batch::evaluate(b.transforms(), b.wo(), b.wi(), rows, correlated, b.value, b.pdf); });
 }
 
 py::object pdf(const py::array &m, const py::array &wo, const py::array &wi, bool bounded) {
-    if (isDouble(m) || bounded)
-        return numberOfDirections(m, wo, wi, [&](auto t, auto o, auto i) { return reflectionPdf(t, o, i, bounded); });
+    if (isDouble(m) || bounded) return byDirections([&](auto t, auto o, auto i) { return reflectionPdf(t, o, i, bounded); }, m, wo, wi);
     return batchedNumber(m, wo, wi,
                          [&](Block &b, std::size_t rows) { batch::evaluate(b.transforms(), b.wo(), b.wi(), rows, true, b.pdf, b.value); });
 }
 
 py::object weight(const py::array &m, const py::array &wo, const py::array &wi, bool correlated, bool bounded) {
     if (isDouble(m) || bounded)
-        return numberOfDirections(m, wo, wi, [&]<class T>(const BasicMicroTransform<T> &t, const Vector3<T> &o, const Vector3<T> &i) -> T {
-            if (!(i.z > 0)) return 0;
-            const T length = ggx::stretchedLength(t, o);
-            const T area = ggx::visibleArea(t, o, length);
-            const T k = bounded ? ggx::capBound(t, o) : T(1);
-            return ggx::reflectionWeight(t, o, i, correlated) * (ggx::capArea(k, o.z, length, area) / area);
-        });
+        return byDirections([&](auto t, auto o, auto i) { return reflectionWeight(t, o, i, correlated, bounded); }, m, wo, wi);
     return batchedNumber(m, wo, wi,
                          [&](Block &b, std::size_t rows) { batch::weight(b.transforms(), b.wo(), b.wi(), rows, correlated, b.value); });
 }
 
-template <class T> py::object sampleRows(const py::array &transforms, const py::array &first, const py::array &numbers, bool bounded) {
-    const TransformRows<T> m(transforms);
-    const Rows<T> wo(first);
-    const Rows<T> u(numbers);
-    m.check();
+py::object sampleBatched(const py::array &transforms, const py::array &viewers, const py::array &numbers) {
+    const TransformRows<float> m(transforms);
+    const Rows<float> wo(viewers);
+    const Rows<float> u(numbers);
     const std::size_t count = rowCount(m, wo, u);
-    Array<T> wi = newRows<T>(count, 3);
-    Array<T> density = newRows<T>(count, 0);
-    T *toWi = wi.mutable_data();
-    T *toPdf = density.mutable_data();
-    const auto put = [=](std::size_t row, const Vector3<T> &w, T p) {
-        for (int c = 0; c < 3; ++c) toWi[3 * row + static_cast<std::size_t>(c)] = w[c];
-        toPdf[row] = p;
-    };
-    if constexpr (std::is_same_v<T, float>)
-        if (bounded) {
-            forBlocks(count, [&](Block &block, std::size_t begin, std::size_t rows) {
-                for (std::size_t i = 0; i < rows; ++i) {
-                    block.setTransform(m, begin + i, i);
-                    Block::set(wo, begin + i, i, block.ox, block.oy, block.oz);
-                    block.ux[i] = u.at(begin + i)[0];
-                    block.uy[i] = u.at(begin + i)[1];
-                }
-                batch::sample(block.transforms(), block.wo(), block.ux, block.uy, rows, {block.ix, block.iy, block.iz}, block.pdf);
-                for (std::size_t i = 0; i < rows; ++i) put(begin + i, {block.ix[i], block.iy[i], block.iz[i]}, block.pdf[i]);
-            });
-            return py::make_tuple(wi, density);
+    const Table<Vec3, float> table(count);
+    forBlocks(count, [&](Block &block, std::size_t begin, std::size_t rows) {
+        block.load(m, wo, begin, rows);
+        for (std::size_t i = 0; i < rows; ++i) {
+            block.ux[i] = u.at(begin + i)[0];
+            block.uy[i] = u.at(begin + i)[1];
         }
-    forRows(count, [&](std::size_t row) {
-        const auto t = m.transformAt(row);
-        const Vector3<T> o = wo.vectorAt(row);
-        const Vector2<T> xy(u.at(row)[0], u.at(row)[1]);
-        if (bounded) {
-            const auto [w, p] = ggx::sampleReflection(t, o, xy);
-            put(row, w, p);
-        } else {
-            const Vector3<T> wm = ggx::sampleVisibleNormal(t, o, xy);
-            const Vector3<T> w = 2 * glm::dot(o, wm) * wm - o;
-            put(row, w, reflectionPdf(t, o, w, false));
-        }
+        batch::sample(block.transforms(), block.wo(), block.ux, block.uy, rows, {block.ix, block.iy, block.iz}, block.pdf);
+        for (std::size_t i = 0; i < rows; ++i) table.put(begin + i, {block.ix[i], block.iy[i], block.iz[i]}, block.pdf[i]);
     });
-    return py::make_tuple(wi, density);
+    return table.result();
 }
 
-py::object sampleNormal(const py::array &transforms, const py::array &first, const py::array &numbers) {
-    return byType(transforms, [&]<class T>() -> py::object {
-        const TransformRows<T> m(transforms);
-        const Rows<T> wo(first);
-        const Rows<T> u(numbers);
-        m.check();
-        const std::size_t count = rowCount(m, wo, u);
-        Array<T> out = newRows<T>(count, 3);
-        T *to = out.mutable_data();
-        forRows(count, [&](std::size_t row) {
-            const Vector3<T> wm = ggx::sampleVisibleNormal(m.transformAt(row), wo.vectorAt(row), Vector2<T>(u.at(row)[0], u.at(row)[1]));
-            for (int c = 0; c < 3; ++c) to[3 * row + static_cast<std::size_t>(c)] = wm[c];
-        });
-        return out;
+py::object sample(const py::array &m, const py::array &wo, const py::array &u, bool bounded) {
+    if (bounded && !isDouble(m)) return sampleBatched(m, wo, u);
+    return byType(m, [&]<class T>() {
+        const auto reflected = [&](const BasicMicroTransform<T> &t, const Vector3<T> &o, const Vector2<T> &xy) {
+            if (bounded) {
+                const auto [w, density] = ggx::sampleReflection(t, o, xy);
+                return std::tuple(w, density);
+            }
+            const Vector3<T> wm = ggx::sampleVisibleNormal(t, o, xy);
+            const Vector3<T> w = 2 * glm::dot(o, wm) * wm - o;
+            return std::tuple(w, reflectionPdf(t, o, w, false));
+        };
+        return bySamples<T>(reflected, m, wo, u);
+    });
+}
+
+py::object sampleNormal(const py::array &m, const py::array &wo, const py::array &u) {
+    return byType(m, [&]<class T>() {
+        return bySamples<T>([](const auto &t, const auto &o, const auto &xy) { return ggx::sampleVisibleNormal(t, o, xy); }, m, wo, u);
     });
 }
 
 py::object albedo(const py::array &transforms, const py::array &directions) {
-    return numberOfDirection(transforms, directions, [](const auto &t, const auto &w) {
+    const auto ofDirection = []<class T>(const BasicMicroTransform<T> &t, const Vector3<T> &w) -> T {
         const MicroTransform m{float(t.a), float(t.b),        float(t.d),        float(t.p),
                                float(t.q), float(t.inverseA), float(t.inverseD), float(t.det)};
-        return w.z > 0 ? energy::singleScatterAlbedo(m, Vec3(w)) : 0.0F;
-    });
+        return w.z > 0 ? T(energy::singleScatterAlbedo(m, Vec3(w))) : T(0);
+    };
+    return byDirections(ofDirection, transforms, directions);
 }
 
 py::object averageAlbedo(const py::array &transforms) {
     const TransformRows<float> m(transforms);
-    m.check();
-    Array<float> out = newRows<float>(m.rows, 0);
-    float *to = out.mutable_data();
-    forRows(m.rows, [&](std::size_t row) { to[row] = energy::averageAlbedo(m.transformAt(row)); });
-    return out;
+    return tableOf(m.rows, [&](std::size_t row) { return energy::averageAlbedo(m.transformAt(row)); });
 }
 
-/// The numbers of a row's walk: of its own, whatever thread it runs on.
-walk::Random randomOf(std::uint32_t seed, std::size_t row) {
-    return walk::Random((static_cast<std::uint64_t>(seed) << 32U) ^ static_cast<std::uint64_t>(row));
-}
+/// A row's own random numbers, whatever thread it runs on, and the two that a walk takes first.
+struct WalkNumbers {
+    walk::Random random;
+    Vec2 first;
+    WalkNumbers(std::uint32_t seed, std::size_t row) : random((static_cast<std::uint64_t>(seed) << 32U) ^ static_cast<std::uint64_t>(row)) {
+        first.x = random.uniform();
+        first.y = random.uniform();
+    }
+};
 
-py::tuple walkFrom(const py::array &transforms, const py::array &directions, const py::array &colors, std::uint32_t seed) {
+py::object walkFrom(const py::array &transforms, const py::array &viewers, const py::array &colors, std::uint32_t seed) {
     const TransformRows<float> m(transforms);
-    const Rows<float> wo(directions);
+    const Rows<float> wo(viewers);
     const Rows<float> color(colors);
-    m.check();
-    const std::size_t count = rowCount(m, wo, color);
-    Array<float> wi = newRows<float>(count, 3);
-    Array<float> throughput = newRows<float>(count, 3);
-    Array<std::int32_t> bounces = newRows<std::int32_t>(count, 0);
-    float *toWi = wi.mutable_data();
-    float *toThroughput = throughput.mutable_data();
-    std::int32_t *toBounces = bounces.mutable_data();
-    forRows(count, [&](std::size_t row) {
-        walk::Random random = randomOf(seed, row);
-        const Vec2 first(random.uniform(), random.uniform());
+    return tableOf(rowCount(m, wo, color), [&](std::size_t row) {
+        WalkNumbers numbers(seed, row);
         const walk::UniformReflector mirror{color.vectorAt(row)};
-        const walk::Exit exit = walk::sample(m.transformAt(row), wo.vectorAt(row), mirror, first, random);
-        for (int c = 0; c < 3; ++c) {
-            toWi[3 * row + static_cast<std::size_t>(c)] = exit.w[c];
-            toThroughput[3 * row + static_cast<std::size_t>(c)] = exit.throughput[c];
-        }
-        toBounces[row] = exit.bounces;
+        const walk::Exit exit = walk::sample(m.transformAt(row), wo.vectorAt(row), mirror, numbers.first, numbers.random);
+        return std::tuple(exit.w, exit.throughput, static_cast<std::int32_t>(exit.bounces));
     });
-    return py::make_tuple(wi, throughput, bounces);
 }
 
-py::object evaluateWalk(const py::array &transforms, const py::array &first, const py::array &second, const py::array &colors,
+py::object evaluateWalk(const py::array &transforms, const py::array &viewers, const py::array &lights, const py::array &colors,
                         std::uint32_t seed) {
     const TransformRows<float> m(transforms);
-    const Rows<float> wo(first);
-    const Rows<float> wi(second);
+    const Rows<float> wo(viewers);
+    const Rows<float> wi(lights);
     const Rows<float> color(colors);
-    m.check();
-    const std::size_t count = rowCount(m, wo, wi, color);
-    Array<float> out = newRows<float>(count, 3);
-    float *to = out.mutable_data();
-    forRows(count, [&](std::size_t row) {
-        walk::Random random = randomOf(seed, row);
-        const Vec2 u(random.uniform(), random.uniform());
+    return tableOf(rowCount(m, wo, wi, color), [&](std::size_t row) {
+        WalkNumbers numbers(seed, row);
         const walk::UniformReflector mirror{color.vectorAt(row)};
         const Vec3 w = wi.vectorAt(row);
-        const Vec3 fCos = w.z > 0 ? walk::evaluate(m.transformAt(row), wo.vectorAt(row), w, mirror, u, random) : Vec3(0);
-        for (int c = 0; c < 3; ++c) to[3 * row + static_cast<std::size_t>(c)] = fCos[c];
+        return w.z > 0 ? walk::evaluate(m.transformAt(row), wo.vectorAt(row), w, mirror, numbers.first, numbers.random) : Vec3(0);
     });
-    return out;
 }
 
 } // namespace
@@ -277,28 +231,27 @@ void addTransforms(py::module_ &part);
 void addMicrosurface(py::module_ &module) {
     py::module_ part = module.def_submodule("microsurface");
     part.def("D", [](const py::array &m, const py::array &wm) {
-        return numberOfDirection(m, wm, [](const auto &t, const auto &w) { return ggx::distribution(t, w); });
+        return byDirections([](const auto &t, const auto &h) { return ggx::distribution(t, h); }, m, wm);
     });
     part.def("G1", [](const py::array &m, const py::array &w) {
-        return numberOfDirection(m, w, [](const auto &t, const auto &v) { return ggx::masking(t, v); });
+        return byDirections([](const auto &t, const auto &v) { return ggx::masking(t, v); }, m, w);
     });
     part.def("Lambda", [](const py::array &m, const py::array &w) {
-        return numberOfDirection(m, w, [](const auto &t, const auto &v) { return ggx::lambda(t, v); });
+        return byDirections([](const auto &t, const auto &v) { return ggx::lambda(t, v); }, m, w);
     });
     part.def("G2", [](const py::array &m, const py::array &wo, const py::array &wi, bool correlated) {
-        return numberOfDirections(m, wo, wi, [=](const auto &t, const auto &o, const auto &i) {
+        const auto joined = [=](const auto &t, const auto &o, const auto &i) {
             return ggx::shadowing(ggx::lambda(t, o), ggx::lambda(t, i), (o.z > 0) == (i.z > 0), correlated);
-        });
+        };
+        return byDirections(joined, m, wo, wi);
     });
     part.def("visible_normal_pdf", [](const py::array &m, const py::array &wo, const py::array &wm) {
-        return numberOfDirections(m, wo, wm, [](const auto &t, const auto &o, const auto &h) { return ggx::visibleNormalPdf(t, o, h); });
+        return byDirections([](const auto &t, const auto &o, const auto &h) { return ggx::visibleNormalPdf(t, o, h); }, m, wo, wm);
     });
     part.def("evaluate", evaluate);
     part.def("pdf", pdf);
     part.def("weight", weight);
-    part.def("sample", [](const py::array &m, const py::array &wo, const py::array &u, bool bounded) {
-        return byType(m, [&]<class T>() { return sampleRows<T>(m, wo, u, bounded); });
-    });
+    part.def("sample", sample);
     part.def("sample_normal", sampleNormal);
     part.def("albedo", albedo);
     part.def("average_albedo", averageAlbedo);

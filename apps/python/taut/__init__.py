@@ -6,6 +6,7 @@
     M, alpha_max, alpha_min, phi, tangent, stretch = gloss.at(positions)   # each frame
 
     taut.gloss(rest, deformed, faces, ...)      one frame, one call
+    taut.presets["foil"]                        materials whose response to a deformation is known: what taut.Gloss takes
     taut.microsurface                           D, G1, G2, evaluate, pdf, sample, weight, albedo, walk, ... any M per row
     taut.Scene("scene.toml")                    a scene from a file, a dict of the scene file's keys, arrays: render, plan, export
     taut.write_image(path, picture), taut.read_image(path)   .exr and .png
@@ -26,7 +27,7 @@ Source: "Microsurface Transformations", Computer Graphics Forum 41(4), 2022; doc
 
 from . import _checks, _taut, microsurface
 from ._arrays import copies
-from ._gloss import Gloss, VertexGloss, gloss
+from ._gloss import Gloss, VertexGloss, gloss, presets
 from ._image import read_image, write_image
 from ._scene import Refinement, Scene
 from ._taut import InputError, RunError
@@ -34,6 +35,7 @@ from ._taut import version as __version__
 
 for _thing in (InputError, RunError):
     _thing.__module__ = "taut"  # where they are found
+del _thing
 
 
 def limit_threads(threads: int) -> None:
@@ -52,6 +54,7 @@ __all__ = [
     "gloss",
     "limit_threads",
     "microsurface",
+    "presets",
     "read_image",
     "write_image",
 ]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple, Optional, Sequence, Tuple, Union, cast
+from typing import Any, Dict, NamedTuple, Optional, Sequence, Tuple, Union, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -63,14 +63,17 @@ def _indices(what: str, values: ArrayLike) -> NDArray[np.uint32]:
     return take(what, values, np.uint32)
 
 
-def _alpha(alpha: ArrayLike) -> Tuple[float, float]:
-    expected = "a number, or two: along and across the tangent"
-    pair = np.atleast_1d(np.asarray(alpha))
-    if pair.dtype.kind not in "fiu":
+def _alpha(alpha: ArrayLike, points: int) -> NDArray[np.float32]:
+    """[1, 2] for all points, or [points, 2]."""
+    expected = f"a number, or two: along and across the tangent; or ({points}, 2), two for each point"
+    given = np.atleast_1d(np.asarray(alpha))
+    if given.dtype.kind not in "fiu":
         fail("alpha", describe(alpha), expected)
-    if pair.shape not in ((1,), (2,)):
-        fail("alpha", f"an array of shape {pair.shape}", expected)
-    return float(pair[0]), float(pair[-1])
+    if given.shape in ((1,), (2,)):
+        given = np.array([[given[0], given[-1]]], np.float32)
+    elif given.shape != (points, 2):
+        fail("alpha", f"an array of shape {given.shape}", expected)
+    return take("alpha", given, np.float32)
 
 
 class Gloss:
@@ -80,13 +83,18 @@ class Gloss:
     faces      (f, k) whole numbers: f polygons of k corners, counter-clockwise from outside; or a sequence of faces of any sizes; or
                (starts, corners), two arrays, as Blender and USD have them.
     uv         (n, 2) a point or (corners, 2) a corner: the tangent is dP/du. None: a smooth field of tangents.
-    alpha      GGX alpha at rest in [1e-4, 10]: one number, or (along, across) the tangent. Never roughness, its square root.
+    alpha      GGX alpha at rest in [1e-4, 10]: one number, or (along, across) the tangent, or (n, 2), these two for each point. Never
+               roughness, its square root.
     rotation   radians that turn the rest material about the normal, counter-clockwise from the tangent.
     poisson    Poisson's ratio in [-1, 0.5]: 0 keeps the thickness, 0.5 the volume, -1 scales it with the surface.
     normals    (n, 3) or (corners, 3) rest normals. None: smooth ones.
     per        "point": one row a point, from the first corner there where a seam or a hard edge has several (`split_points` counts
                them); "corner": one row a corner, in the order of the faces.
     gradient   how the surface gradient is had: "auto", "area", "angle", "least-squares" (docs/pipeline.md, "Estimators").
+    roughening alpha that metal gains per unit of equivalent strain beyond `yield_strain`; 0: gloss follows geometry alone.
+    yield_strain  the strain from which it does (`yield` of a scene file, which is a keyword of Python); about 0.002 to 0.01.
+               With both, Sigma' = lambda^2 A^-T Sigma A^-1 + (roughening max(0, eps - yield_strain))^2 I; eps as
+               taut.microsurface.equivalent_strain of `stretch`. Metals want it, rubber and skin do not: see taut.presets.
 
     Raises InputError for anything malformed, with the message of the command. Source: Microsurface Transformations, CGF 41(4), 2022;
     M = (A / lambda) M0 (docs/pipeline.md).
@@ -107,6 +115,8 @@ class Gloss:
         normals: Optional[ArrayLike] = None,
         per: str = "point",
         gradient: str = "auto",
+        roughening: float = 0.0,
+        yield_strain: float = 0.0,
     ) -> None:
         if per not in ("point", "corner"):
             fail("per", repr(per), "'point' or 'corner'")
@@ -118,7 +128,13 @@ class Gloss:
             corners,
             None if uv is None else table("uv", uv, 2, np.float32, row_name="points or corners"),
             None if normals is None else table("normals", normals, 3, np.float32, row_name="points or corners"),
-            [*_alpha(alpha), number("rotation", rotation), number("poisson", poisson)],
+            _alpha(alpha, len(points)),
+            [
+                number("rotation", rotation),
+                number("poisson", poisson),
+                number("roughening", roughening, 0, expected="a number, at least 0"),
+                number("yield_strain", yield_strain, 0, expected="a number, at least 0"),
+            ],
             str(gradient),
             per == "corner",
         )
@@ -163,8 +179,8 @@ def gloss(
 ) -> VertexGloss:
     """M, alpha_max, alpha_min, phi, tangent, stretch of a mesh whose points have gone from `rest` to `deformed`.
 
-    One frame of a Gloss: its arguments are those of that class, shapes and units of what comes back those of VertexGloss. For more than
-    one frame keep a Gloss, which builds topology once.
+    One frame of a Gloss: its arguments are those of that class (`per`, `gradient`, `roughening` and `yield_strain` by name), shapes and
+    units of what comes back those of VertexGloss. For more than one frame keep a Gloss, which builds topology once.
 
     >>> import numpy as np, taut
     >>> x, y = np.meshgrid(np.linspace(0, 1, 3, dtype="f4"), np.linspace(0, 1, 3, dtype="f4"))
@@ -175,3 +191,13 @@ def gloss(
     0.3 0.05 [2. 1.]
     """
     return Gloss(rest, faces, uv, alpha, rotation, poisson, normals, **options).at(deformed)
+
+
+presets: Dict[str, Dict[str, Any]] = _taut.presets
+"""Materials whose response to a deformation is known, by the names of a scene file's `preset`: rubber, skin, foil, annealed aluminium.
+
+Each is what taut.Gloss takes: alpha, poisson, roughening, yield_strain. Sources, and what of them is measured, geometry or a choice, are
+in docs/scene.md, "Presets, and what metal does".
+
+    taut.gloss(rest, deformed, faces, uv, **taut.presets["foil"])
+"""

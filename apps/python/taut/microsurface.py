@@ -39,9 +39,10 @@ from ._checks import describe, fail, number, seed as _seed_of
 _core: Any = _taut.microsurface  # calls spread their rows
 
 __all__ = [
-    "D", "G1", "G2", "Lambda", "albedo", "average_albedo", "canonical", "conventions", "deform", "equivalent_alpha", "evaluate",
-    "evaluate_walk", "from_alpha", "from_convention", "general_D", "general_transform", "normal_stretch", "pdf", "sample",
-    "sample_normal", "slope_tensor", "to_convention", "visible_normal_pdf", "walk", "weight",
+    "D", "G1", "G2", "Lambda", "albedo", "average_albedo", "canonical", "carried_slope", "conventions", "deform", "equivalent_alpha",
+    "equivalent_strain", "evaluate", "evaluate_walk", "from_alpha", "from_convention", "general_D", "general_transform",
+    "mapped_transform", "normal_stretch", "pdf", "roughen", "sample", "sample_normal", "slope_tensor", "surface_deformation",
+    "to_convention", "visible_normal_pdf", "walk", "weight",
 ]  # fmt: skip
 
 _M = (3, 5)
@@ -251,6 +252,72 @@ def general_D(T: ArrayLike, normal: ArrayLike) -> Any:
     """D at unit normals (..., 3) in T's own space: |det T| / (pi |T^-T z| |T^T m|^4), 0 where (T^T m).z <= 0."""
     rows = Broadcast(np.float64, T=(_matrix("T", T, 3), (9,)), normal=(normal, _W))
     return rows.number(_core.general_D(*rows.rows))
+
+
+# --- metal that roughens ---------------------------------------------------------------------------------------------
+
+
+def equivalent_strain(stretch: ArrayLike) -> Any:
+    """eps of a surface with the stretches (..., 2), larger and smaller, as `taut.gloss` returns them; (...,), float64, no unit.
+
+    The equivalent Hencky strain with the thickness from volume: e1, e2 the logarithms of both, e3 = -(e1 + e2),
+    eps = sqrt(2/3 (e1^2 + e2^2 + e3^2)). A stretch below 1e-5 counts as 1e-5.
+    """
+    rows = Broadcast(np.float64, stretch=(stretch, _U))
+    return rows.number(_core.equivalent_strain(*rows.rows))
+
+
+def roughen(M: ArrayLike, strain: ArrayLike, roughening: float, yield_strain: float = 0.0) -> NDArray[np.float32]:
+    """M (..., 5) of metal that was strained: Sigma' = Sigma + (roughening max(0, strain - yield_strain))^2 I; its lean is kept.
+
+    `roughening` is alpha per unit of strain, at least 0; `strain` (...,) as of `equivalent_strain`, of which what lies beyond
+    `yield_strain` counts. In slope tensors the sum is exact for Gaussian slopes and a model for GGX. Sources: Stoudt & Ricker 2002,
+    Metall. Mater. Trans. A 33, 2883; Stoudt et al. 2009, ibid. 40, 1611.
+    """
+    rate = number("roughening", roughening, 0, expected="a number, at least 0")
+    limit = number("yield_strain", yield_strain, 0, expected="a number, at least 0")
+    rows = Broadcast(np.float64, M=(M, _M), strain=(strain, _ONE))
+    return rows.vector(_core.roughen(rows.rows[0].astype(np.float32), rows.rows[1], rate, limit))
+
+
+# --- facets of a normal or height map --------------------------------------------------------------------------------
+
+
+def surface_deformation(A: ArrayLike, normal_stretch: ArrayLike = 1.0, lean: ArrayLike = (0.0, 0.0)) -> NDArray[np.float64]:
+    """F = [A lean; 0 normal_stretch], (..., 3, 3) by rows: a deformation of the space at a surface, arguments as of `deform`."""
+    A = _matrix("A", A, 2)
+    rows = Broadcast(np.float64, A=(A, (4,)), normal_stretch=(normal_stretch, _ONE), lean=(lean, _U))
+    F = np.zeros((int(np.prod(rows.shape)), 3, 3))
+    F[:, :2, :2], F[:, 2, 2], F[:, :2, 2] = rows.rows[0].reshape(-1, 2, 2), rows.rows[1], rows.rows[2]
+    return F.reshape(*rows.shape, 3, 3)
+
+
+def carried_slope(F: ArrayLike, slope: ArrayLike) -> NDArray[np.float64]:
+    """Where the deformation F (..., 3, 3) takes a slope s = -grad h (..., 2) of the surface: lambda A^-T s / (1 - lean . A^-T s).
+
+    In the rest and the deformed tangent frame, lengths over lengths. Not finite where the facet is turned to stand upright.
+    """
+    rows = Broadcast(np.float64, F=(_matrix("F", F, 3), (9,)), slope=(slope, _U))
+    return rows.vector(_core.carried_slope(*rows.rows))
+
+
+def mapped_transform(
+    F: ArrayLike, slope: ArrayLike, M: ArrayLike, covariance: ArrayLike = (0.0, 0.0, 0.0)
+) -> Tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """A facet of a normal or height map under a deformation: its leaning M (..., 5), and the frame (..., 3, 3) that this M lives in.
+
+    F           (..., 3, 3): the deformation of the mesh, `surface_deformation`.
+    slope       (..., 2): s = -grad h of the map in the rest tangent frame; the facet's normal there is (s, 1) / |(s, 1)|.
+    M           (..., 3) or (..., 5): the rest material in the facet's own frame, x the tangent projected on it; its lean has no say.
+    covariance  (..., 3), xx, xy, yy: of the slopes around the mean `slope`, where a footprint sees many facets.
+
+    T = F R(slope) M brought to canonical form as by `general_transform`, whose frame and errors it has. Turning the normal alone and
+    keeping A is wrong by that lean. Sources: docs/pipeline.md, "Mesostructure"; Olano & Baker 2010 and Dupuy et al. 2013 for
+    footprints (the slope tensor of M grows by 2 C, GGX's best fit).
+    """
+    rows = Broadcast(np.float64, F=(_matrix("F", F, 3), (9,)), slope=(slope, _U), M=(M, _M), covariance=(covariance, _W))
+    found, frame = _core.mapped_transform(*rows.rows)
+    return rows.vector(found), frame.reshape(*rows.shape, 3, 3)
 
 
 # --- other renderers -------------------------------------------------------------------------------------------------

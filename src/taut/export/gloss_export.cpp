@@ -144,8 +144,9 @@ void glossAtFrame(const Scene &scene, double frame, const GlossOptions &options,
             stretch *= lean.inverseLambda;
             column = {glm::dot(s, lean.tangential), glm::dot(t, lean.tangential)};
         }
-        MicroTransform m = transformAt(material, scene, mesh.uvs.empty() ? Vec2(0) : mesh.uvs[v], stretch, turned, polar.tangent.w,
-                                       object.lean ? &column : nullptr);
+        RestRoughness rest = restRoughness(material, scene, mesh.uvs.empty() ? Vec2(0) : mesh.uvs[v]);
+        if (!out.restAlphas.empty()) rest = {out.restAlphas[v].x, out.restAlphas[v].y, rest.rotation};
+        MicroTransform m = transformAt(material, rest, stretch, turned, polar.tangent.w, object.lean ? &column : nullptr);
         if (stored) {
             const StoredColumns columns = storedColumns(out.surface.mesh(), surface, source, ds, dt, n, object.follow, material.poisson);
             m = microTransform(glm::dot(s, columns.x), glm::dot(s, columns.y), glm::dot(t, columns.x), glm::dot(t, columns.y));

@@ -17,6 +17,7 @@ struct GlossObject {
     GlossMesh mesh;
     std::vector<Index> sources;   ///< [vertices of mesh] -> render vertex of the surface
     std::vector<Index> materials; ///< [vertices of mesh] -> material of the scene
+    std::vector<Vec2> restAlphas; ///< [vertices of mesh] alpha along and across the tangent, in the place of the material's; may be empty
     bool rigid = false;
     std::vector<unsigned char> flipped; ///< [triangles] of mesh: turned over
     std::size_t clipped = 0;            ///< vertices outside the convention's limits, summed over frames

@@ -7,6 +7,7 @@ namespace taut {
 namespace {
 
 constexpr std::string_view kMesh = "mesh"; ///< the type of [[light]] that is no Light: objects emit
+constexpr std::string_view kSlot = "slot"; ///< its key for one of a mesh's materials
 
 /// The words for a light's keys: here they read a table.
 struct LightKeys {
@@ -46,26 +47,46 @@ std::vector<std::string_view> allKeys() {
         KeyNames::add(keys.names, keys.brightnessKey);
     });
     keys.names.push_back(kMesh);
+    keys.names.push_back(kSlot);
     keys.names.insert(keys.names.end(), keys.flags.begin(), keys.flags.end());
     return keys.names;
 }
 
+/// Makes the faces of one material of an object shine; false where it has no such material.
+bool setSlotEmission(Object &object, const std::string &slot, const Emission &emission) {
+    const std::vector<std::string> &names = object.mesh->materialNames;
+    const auto found = std::find(names.begin(), names.end(), slot);
+    if (found == names.end()) return false;
+    if (object.slotEmission.empty()) object.slotEmission.assign(names.size(), {object.emission, object.emissionTwoSided});
+    object.slotEmission[static_cast<std::size_t>(found - names.begin())] = emission;
+    return true;
+}
+
 void addMeshLight(LoadContext &context, TableReader &table) {
     const TomlValue &target = table.required("mesh", "mesh = \"name of a [[mesh]]\"");
-    ColorParam radiance{Vec3(1)};
-    bool twoSided = false;
-    table.read("radiance", radiance, [&](const TomlValue &v) { return toColorParam(context, v, kNotNegative); });
-    table.read("two_sided", twoSided);
+    const TomlValue *slot = table.find(kSlot);
+    Emission emission{{Vec3(1)}};
+    table.read("radiance", emission.radiance, [&](const TomlValue &v) { return toColorParam(context, v, kNotNegative); });
+    table.read("two_sided", emission.twoSided);
     const std::string prefix = toText(target) + "/";
     bool found = false;
+    bool slotFound = slot == nullptr;
+    std::vector<std::string_view> slots;
     for (Object &object : context.scene.objects) {
         if (object.name != target.text && object.name.compare(0, prefix.size(), prefix) != 0) continue;
-        object.emission = radiance;
-        object.slotEmission.clear();
-        context.meshLights |= radiance.value != Vec3(0);
-        object.emissionTwoSided = twoSided;
         found = true;
+        if (slot != nullptr) {
+            slotFound |= setSlotEmission(object, toText(*slot), emission);
+            slots.insert(slots.end(), object.mesh->materialNames.begin(), object.mesh->materialNames.end());
+        } else {
+            object.emission = emission.radiance;
+            object.emissionTwoSided = emission.twoSided;
+            object.slotEmission.clear();
+        }
+        context.meshLights |= emission.radiance.value != Vec3(0);
     }
+    if (found && !slotFound && slots.empty()) failInput(slot->where, quoted(slot->text), "a mesh with several materials");
+    if (found && !slotFound) failUnknownName(slot->where, slot->text, slots);
     if (found) return;
     if (context.scene.objects.empty()) failInput(target.where, quoted(target.text), "the name of a mesh, but there is no [[mesh]]");
     const std::vector<std::string_view> names(context.objectNames.begin(), context.objectNames.end());

@@ -11,6 +11,7 @@ F32 = NDArray[np.float32]
 U32 = NDArray[np.uint32]
 
 version: str
+presets: Dict[str, Dict[str, Any]]
 aovs: List[Tuple[str, List[str]]]
 
 class InputError(ValueError): ...
@@ -28,6 +29,7 @@ class PointGloss:
         corners: U32,
         uvs: Optional[F32],
         normals: Optional[F32],
+        alphas: F32,
         material: Sequence[float],
         gradient: str,
         per_corner: bool,
