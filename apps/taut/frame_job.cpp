@@ -74,6 +74,7 @@ const SavedHead &RunningFrame::head() {
 /// Up to what comes first: the next checkpoint, the deadline, the next look at the time that the frame may take.
 FrameBudget RunningFrame::budget() const {
     FrameBudget budget;
+    budget.evenly = false;
     const auto shorten = [&](double left) {
         left = std::max(left, 1e-3);
         budget.seconds = budget.seconds > 0 ? std::min(budget.seconds, left) : left;

@@ -14,7 +14,7 @@ namespace taut::app {
 
 void checkOutputs(const std::vector<std::string> &outputs, std::size_t frames) {
     for (const std::string &output : outputs) {
-        if (!isImagePath(output)) failInput({"-o"}, quoted(output), "a file name that ends in .exr or .png");
+        if (!isImagePath(output)) failInput({"-o"}, quoted(output), "a file name that ends in .exr or .png (of taut render: or .mp4, .webm, .gif)");
         if (frames > 1 && !hasFramePattern(output))
             failInput({"-o"}, quoted(output), "a frame number such as #### in the name, for more than one frame");
     }
@@ -34,17 +34,20 @@ bool areThere(const std::vector<std::string> &paths) {
 }
 
 void checkWritable(const std::string &path) {
+    std::error_code error;
+    const std::filesystem::file_status status = std::filesystem::status(path, error);
+    if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) return; // a pipe is opened once
     makeFolderOf(path);
     const OutputFile trial(path);
 }
 
-void writeImages(const SavedHead &head, const Film &film, const std::vector<std::string> &outputs) {
+void writeImages(const SavedHead &head, const Film &film, const std::vector<std::string> &paths) {
     const Image image{film.window(), head.width, head.height, film.channelNames(), film.resolve()};
     Metadata metadata = head.metadata;
     metadata.emplace_back("taut:spp", std::to_string(film.samples()));
     metadata.emplace_back("taut:meanSpp", fmt::format("{:.3f}", film.meanSamples()));
     metadata.emplace_back("taut:sampleRange", fmt::format("0-{}", film.samples() - 1));
-    for (const std::string &path : pathsOf(outputs, head.frame)) writeImage(path, image, metadata);
+    for (const std::string &path : paths) writeImage(path, image, metadata);
 }
 
 } // namespace taut::app

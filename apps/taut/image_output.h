@@ -8,7 +8,7 @@
 
 namespace taut::app {
 
-/// Throws InputError where a name is no image's, or several frames would go into one file.
+/// Throws InputError where a name is no image's, or several frames would go into one image.
 void checkOutputs(const std::vector<std::string> &outputs, std::size_t frames);
 
 /// The paths of a frame's images, of patterns.
@@ -20,7 +20,7 @@ bool areThere(const std::vector<std::string> &paths);
 /// Throws RunError where a file beside `path` can't be written: before the work, not after it.
 void checkWritable(const std::string &path);
 
-/// Writes each of `outputs`, patterns of paths, with the head's metadata and what follows from the film.
-void writeImages(const SavedHead &head, const Film &film, const std::vector<std::string> &outputs);
+/// Writes each of these files with the head's metadata and what follows from the film.
+void writeImages(const SavedHead &head, const Film &film, const std::vector<std::string> &paths);
 
 } // namespace taut::app

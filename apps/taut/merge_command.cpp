@@ -67,7 +67,7 @@ int merge(const MergeArguments &arguments) {
     for (const auto &[frame, paths] : shards) {
         if (isSkipped(frame)) continue;
         const MergedFrame merged = mergeShards(paths);
-        writeImages(merged.head, merged.film, arguments.outputs);
+        writeImages(merged.head, merged.film, pathsOf(arguments.outputs, frame));
         if (!arguments.quiet)
             fmt::print(stderr, "frame {}: {} shards, {} samples a pixel, {:.2f} s -> {}\n", frame, paths.size(), merged.film.samples(),
                        merged.head.seconds, pathOfFrame(arguments.outputs.front(), frame));

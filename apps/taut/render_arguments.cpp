@@ -169,7 +169,7 @@ void addSampleArguments(CLI::App &command, RenderArguments &arguments) {
 void addRenderArguments(CLI::App &command, RenderArguments &arguments) {
     addSceneArguments(command, arguments.scene);
     addModelArguments(command, arguments.model);
-    command.add_option("-o,--output", arguments.outputs, "Images: out/####.exr or .png; may be given more than once")
+    command.add_option("-o,--output", arguments.outputs, "Images: out/####.exr or .png; movies: out/shot.mp4, .webm or .gif; may be given more than once")
         ->allow_extra_args(false);
     command.add_option("--only", arguments.only, "Render only these of the frames; the plan looks at all of them");
     addSampleArguments(command, arguments);

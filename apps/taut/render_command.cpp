@@ -4,6 +4,7 @@
 #include "image_output.h"
 #include "interruption.h"
 #include "json_text.h"
+#include "movie.h"
 #include "render_arguments.h"
 
 #include "study/measures/memory.h"
@@ -52,11 +53,32 @@ nlohmann::json toJson(const RayCounts &counts) {
             {"not_finite", counts.notFinite}};
 }
 
+/// The files that are asked for: patterns of images, and movies.
+struct Outputs {
+    std::vector<std::string> images, movies;
+};
+
+/// Movies that are there are left out where that is asked for. Throws InputError where a name is of neither kind, or a movie can't be made.
+Outputs outputsOf(const RenderArguments &arguments, const std::optional<Shard> &shard, std::size_t frames) {
+    Outputs outputs;
+    for (const std::string &path : arguments.outputs) (isMoviePath(path) ? outputs.movies : outputs.images).push_back(path);
+    if (arguments.outputs.empty()) outputs.images = {"out/####.exr"};
+    checkOutputs(outputs.images, frames);
+    for (const std::string &movie : outputs.movies) {
+        if (shard || !arguments.only.empty())
+            failInput({"-o"}, quoted(movie) + " for a part of the frames", "images, of which a movie can be made when they are all there");
+        checkMovie(movie);
+    }
+    if (arguments.skipExisting) std::erase_if(outputs.movies, [](const std::string &movie) { return areThere({movie}); });
+    return outputs;
+}
+
 /// What the frames of one call have in common, and how each is named and told from others.
 class FrameNames {
   public:
-    FrameNames(const RenderArguments &arguments, const Scene &scene, const FrameOptions &options, const std::optional<Shard> &shard)
-        : arguments_(arguments), scene_(scene), options_(options), sceneHash_(sceneHash(arguments.scene)) {
+    FrameNames(const RenderArguments &arguments, const Outputs &outputs, const Scene &scene, const FrameOptions &options,
+               const std::optional<Shard> &shard)
+        : arguments_(arguments), outputs_(outputs), scene_(scene), options_(options), sceneHash_(sceneHash(arguments.scene)) {
         if (!shard || shard->by == ShardBy::Frames) return;
         part_ = {shard->by == ShardBy::Samples ? SplitBy::Samples : SplitBy::Rows, shard->index, shard->count};
         isShard_ = true;
@@ -67,7 +89,10 @@ class FrameNames {
 
     /// The files that a frame ends in: its images, or its shard.
     [[nodiscard]] std::vector<std::string> results(int frame) const {
-        std::vector<std::string> paths = pathsOf(arguments_.outputs, frame);
+        std::vector<std::string> paths = pathsOf(outputs_.images, frame);
+        const std::vector<int> &frames = scene_.render.frames;
+        const auto number = static_cast<std::size_t>(std::find(frames.begin(), frames.end(), frame) - frames.begin());
+        for (const std::string &movie : outputs_.movies) paths.push_back(pictureOfMovie(movie, number));
         if (isShard_) paths = {fmt::format("{}.{}-of-{}.shard", paths.front(), part_.index, part_.count)};
         return paths;
     }
@@ -106,6 +131,7 @@ class FrameNames {
 
   private:
     const RenderArguments &arguments_;
+    const Outputs &outputs_;
     const Scene &scene_;
     const FrameOptions &options_;
     std::string sceneHash_;
@@ -136,18 +162,18 @@ int render(RenderArguments &arguments) {
     Scene loaded = sceneOf(arguments);
     if (!arguments.check) preloadImageCodec();
     const RenderSettings render = loaded.render;
-    if (arguments.outputs.empty()) arguments.outputs = {"out/####.exr"};
-    checkOutputs(arguments.outputs, render.frames.size());
     FrameOptions options = optionsOf(arguments, render);
     options.aovs = aovs;
     const std::optional<Shard> shard = shardOf(arguments, options, render.frames.size());
     const std::vector<int> frames = framesOf(arguments, shard, render.frames);
+    const Outputs outputs = outputsOf(arguments, shard, render.frames.size());
+    if (outputs.images.empty() && outputs.movies.empty()) return 0; // every movie is there
     // How many samples there will be is not known: light is not weighed against noise.
     if ((options.seconds || options.noise) && !arguments.model.tolerance) arguments.model.tolerance = kDefaultTolerance;
 
     PlannedScene planned = planFor(loaded, arguments.model);
     RenderScene ready(std::move(loaded), std::move(planned.plan), render.frames.size() > 1, std::move(planned.surfaces));
-    FrameNames names(arguments, ready.scene(), options, shard);
+    FrameNames names(arguments, outputs, ready.scene(), options, shard);
     Progress progress(style, static_cast<int>(frames.size()));
     nlohmann::json statistics{{"scene", arguments.scene.scene}, {"version", TAUT_VERSION}, {"frames", nlohmann::json::array()}};
     bool begun = false;
@@ -173,7 +199,7 @@ int render(RenderArguments &arguments) {
             if (names.isShard())
                 finished.save(results.front());
             else
-                writeImages(names.label(frame), finished.film(), arguments.outputs);
+                writeImages(names.label(frame), finished.film(), results);
             statistics["frames"].push_back(toJson(frame, finished, times));
             progress.finishFrame(frame, results.front(), statistics["frames"].back()["seconds"]);
             if (const std::uint64_t count = finished.counts().notFinite; count > 0)
@@ -182,6 +208,8 @@ int render(RenderArguments &arguments) {
         if (end.done && end.cause != nullptr && frame != frames.back()) progress.stopped(end.cause, 1, "");
         if (end.cause != nullptr && (!end.done || frame != frames.back())) return kResumable;
     }
+    for (const std::string &movie : outputs.movies)
+        if (!arguments.check) writeMovie(movie, render.fps);
     statistics["peak_mb"] = chart::peakMegabytes();
     if (arguments.check) {
         if (!arguments.quiet) std::cout << arguments.scene.scene << ": ok, " << frames.size() << " frames" << std::endl;

@@ -118,7 +118,7 @@ struct FrameRender::State {
         const int columns = (w.x1 - 1) / kTile - w.x0 / kTile + 1;
         return static_cast<std::size_t>((y / kTile - w.y0 / kTile) * columns + x / kTile - w.x0 / kTile);
     }
-    void advanceEvenly(int samples);
+    void advanceEvenly(const FrameBudget &budget);
     void advanceTile(std::size_t i, int last);
     void advanceAdaptively(bool onePass);
     void saveHead(std::ostream &out) const;
@@ -148,12 +148,13 @@ void FrameRender::State::advanceTile(std::size_t i, int last) {
     }
 }
 
-/// Passes of `samples` samples for every pixel; 0: one pass with all.
-void FrameRender::State::advanceEvenly(int samples) {
+/// Passes of as many samples for every pixel; 0: one pass with all.
+void FrameRender::State::advanceEvenly(const FrameBudget &budget) {
+    const int samples = budget.samples;
     int least = options.spp;
     for (const Window &tile : tiles) least = std::min(least, samplesOf(tile));
     const int last = samples > 0 ? std::min(least + samples, options.spp) : options.spp;
-    const int pass = samples == 0 && hasDeadline ? kTimedPass : last - least;
+    const int pass = samples == 0 && hasDeadline && budget.evenly ? kTimedPass : last - least;
     for (int to = least; to < last && !isOver();) {
         to = std::min(to + pass, last);
         parallelFor(tiles.size(), 1, [&](std::size_t i) {
@@ -206,7 +207,7 @@ FrameState FrameRender::advance(const FrameBudget &budget) {
     if (s.blocks)
         s.advanceAdaptively(budget.samples > 0);
     else
-        s.advanceEvenly(budget.samples);
+        s.advanceEvenly(budget);
     s.seconds += secondsSince(start);
     s.tell();
     const bool stopped = s.stopAsked.exchange(false);

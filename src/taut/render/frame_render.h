@@ -38,6 +38,7 @@ struct FrameOptions {
 struct FrameBudget {
     int samples = 0;    ///< more samples for every pixel (adaptive: the next pass); 0: all that are left
     double seconds = 0; ///< return when so much time is over, at the next batch of samples; 0: no limit
+    bool evenly = true; ///< with that limit: by passes over all pixels, for who looks at the film; else tile by tile, a little faster
 };
 
 enum class FrameState {

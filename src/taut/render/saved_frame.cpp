@@ -6,9 +6,14 @@
 
 #include <nlohmann/json.hpp>
 
+#ifdef __GLIBC__
+#include <gnu/libc-version.h>
+#endif
+
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <limits>
 #include <optional>
 
 namespace taut {
@@ -108,6 +113,15 @@ const std::string *valueOf(const FrameFacts &facts, const std::string &name) {
     return found == facts.end() ? nullptr : &found->second;
 }
 
+/// Its functions of floats are not the same bits in every version.
+std::string libraryVersion() {
+#ifdef __GLIBC__
+    return gnu_get_libc_version();
+#else
+    return "not known";
+#endif
+}
+
 std::string joined(const std::vector<int> &numbers) {
     std::string text;
     for (const int n : numbers) text += (text.empty() ? "" : ",") + std::to_string(n);
@@ -168,6 +182,7 @@ FrameFacts settingFacts(const Scene &scene, const FrameOptions &whole, int frame
     const auto text = [](const auto value) { return std::to_string(value); };
     return {{"version", TAUT_VERSION},
             {"version of Embree", std::string(embreeVersion())},
+            {"version of the C library", libraryVersion()},
             {"frame", text(frame)},
             {"frames", joined(r.frames)},
             {"size", text(r.width) + "x" + text(r.height)},
