@@ -1,5 +1,5 @@
-# taut: make (build), make demo, make test, make bench, make python, make deps. On a fresh Debian 12 machine `make demo` and `make test`
-# install what is missing and need nothing else.
+# taut: make (build), make demo, make test, make bench, make python, make deps. On a fresh machine with Debian 12 or 13 `make demo` and
+# `make test` install what is missing and need nothing else.
 
 BUILD := build/release
 SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
@@ -9,7 +9,7 @@ PACKAGES := g++ cmake ninja-build pkg-config libopenmesh-dev libosd-dev libembre
             ffmpeg gnuplot-nox fonts-dejavu-core $(PYTHON_PACKAGES)
 MISSING := $(shell for p in $(PACKAGES); do dpkg-query -W -f='$${Status}' $$p 2>/dev/null | grep -q 'install ok installed' || echo $$p; done)
 
-.PHONY: all build command deps python blender-addon export-tools demo test bench sanitize format clean
+.PHONY: all build command deps python blender-addon export-tools demo test bench debian13 debian13-blender debian13-bench sanitize format clean
 
 all: build
 
@@ -57,6 +57,15 @@ test: build
 
 bench: build
 	$(BUILD)/taut_bench --output build/bench.json --chart build/bench $(if $(shell command -v blender),--cycles --equal-error)
+
+# Debian 13 in a root of its own (.ci/debian13; as root): the demo and the tests; those that want Blender too; both systems' benches.
+DEBIAN13 := build/debian13
+debian13:
+	.ci/debian13 $(if $(MIRROR),--mirror $(MIRROR)) $(DEBIAN13)
+debian13-blender:
+	.ci/debian13 --blender $(if $(MIRROR),--mirror $(MIRROR)) $(DEBIAN13)
+debian13-bench: build
+	.ci/debian13 --bench $(if $(MIRROR),--mirror $(MIRROR)) $(DEBIAN13)
 
 # The whole suite under the address and undefined behaviour sanitizers.
 sanitize: deps

@@ -1,11 +1,10 @@
 /// Adaptive sampling: the ring that keeps it unbiased, its mean against that of a fixed number of samples, and what it reaches.
 
+#include "catch.h"
 #include "cli_fixtures.h"
 #include "render_fixtures.h"
 
 #include "taut/render/adaptive.h"
-
-#include <catch2/catch.hpp>
 
 #include <tbb/global_control.h>
 

@@ -1,10 +1,9 @@
 /// What a frame allocates after the first: nothing, whatever computes the gradient.
 
+#include "catch.h"
 #include "mesh_fixtures.h"
 
 #include "taut/deform/surface_motion.h"
-
-#include <catch2/catch.hpp>
 
 #include <cstdlib>
 #include <new>

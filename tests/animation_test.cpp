@@ -2,8 +2,7 @@
 #include "taut/formats/gltf.h"
 
 #include "assets.h"
-
-#include <catch2/catch.hpp>
+#include "catch.h"
 
 #include <glm/gtc/matrix_transform.hpp>
 #include <limits>

@@ -1,10 +1,10 @@
 /// Loops over many hits against the scalar functions, hit by hit, for every set of instructions that this machine has.
 
+#include "catch.h"
+
 #include "study/microsurface/batch.h"
 #include "taut/base/sobol.h"
 #include "taut/microsurface/ggx.h"
-
-#include <catch2/catch.hpp>
 
 #include <array>
 #include <bit>

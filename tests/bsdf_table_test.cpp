@@ -1,8 +1,7 @@
 /// What is asked of every kind in the table of BSDFs.
 
 #include "bsdf_checks.h"
-
-#include <catch2/catch.hpp>
+#include "catch.h"
 
 using namespace taut;
 using namespace taut::test;

@@ -1,12 +1,11 @@
 /// Real skinned and morphed characters over 24 frames: they move, they stay finite, and nothing untrue is said about them.
 
 #include "assets.h"
+#include "catch.h"
 #include "render_fixtures.h"
 
 #include "taut/render/frame_render.h"
 #include "taut/scene/load_scene.h"
-
-#include <catch2/catch.hpp>
 
 using namespace taut;
 using namespace taut::test;

@@ -1,12 +1,12 @@
 /// What charts measure by: errors on limit surfaces, differences of images, plans that do the same.
 
+#include "catch.h"
+
 #include "study/measures/gradient_error.h"
 #include "study/measures/image_error.h"
 #include "study/measures/render_image.h"
 #include "study/scenes/plan_scenes.h"
 #include "study/scenes/scenes.h"
-
-#include <catch2/catch.hpp>
 
 using namespace taut;
 using namespace taut::chart;

@@ -1,9 +1,8 @@
 // Nothing in the way: glass of the index of air is not there, a camera straight down looks down, and what no face has is not framed.
 
+#include "catch.h"
 #include "render_fixtures.h"
 #include "scene_fixtures.h"
-
-#include <catch2/catch.hpp>
 
 using namespace taut;
 using namespace taut::test;

@@ -2,7 +2,7 @@
 
 #include "taut/microsurface/conventions.h"
 
-#include <catch2/catch.hpp>
+#include "catch.h"
 
 #include <iostream>
 #include <random>

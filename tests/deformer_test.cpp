@@ -1,6 +1,5 @@
+#include "catch.h"
 #include "deformer_fixtures.h"
-
-#include <catch2/catch.hpp>
 
 #include <limits>
 

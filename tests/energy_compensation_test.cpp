@@ -1,12 +1,12 @@
 /// Energy compensation: the committed table against quadrature and against its generator, the furnace, the walk; and both treatments of
 /// multiple scattering as the BSDF offers them.
 
+#include "catch.h"
+
 #include "study/microsurface/energy_fit.h"
 
 #include "taut/base/frame.h"
 #include "taut/bsdf/bsdf.h"
-
-#include <catch2/catch.hpp>
 
 #include <random>
 

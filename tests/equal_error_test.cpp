@@ -1,8 +1,8 @@
 /// What the benchmark makes of errors, against closed forms.
 
-#include "study/measures/image_error.h"
+#include "catch.h"
 
-#include <catch2/catch.hpp>
+#include "study/measures/image_error.h"
 
 #include <cmath>
 #include <random>

@@ -1,9 +1,9 @@
 /// Exact sums, and films that are split, merged, saved and restored.
 
+#include "catch.h"
+
 #include "taut/base/error.h"
 #include "taut/render/film.h"
-
-#include <catch2/catch.hpp>
 
 #include <cmath>
 #include <cstring>

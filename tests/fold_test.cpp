@@ -1,12 +1,11 @@
 /// Folds: an isometric motion, however sharp, changes no stretch; faces that stretch do; slivers have no say in their neighbours.
 
 #include "assets.h"
+#include "catch.h"
 #include "render_fixtures.h"
 
 #include "taut/microsurface/transform.h"
 #include "taut/scene/load_scene.h"
-
-#include <catch2/catch.hpp>
 
 #include <functional>
 #include <random>

@@ -2,14 +2,14 @@
 
 #define GLM_FORCE_DEFAULT_ALIGNED_GENTYPES
 #define GLM_FORCE_DEPTH_ZERO_TO_ONE
+#include "catch.h"
+
 #include <glm/glm.hpp>
 
 #include "taut/export/gloss_export.h"
 #include "taut/render/image_file.h"
 #include "taut/render/frame_render.h"
 #include "taut/scene/load_scene.h"
-
-#include <catch2/catch.hpp>
 
 #if defined(GLM_ENABLE_EXPERIMENTAL) || defined(GLM_FORCE_SILENT_WARNINGS)
 #error "a macro of GLM that its user has not defined"

@@ -1,13 +1,12 @@
 /// A frame in steps: stopped, read, saved, restored and split, it stays the picture that it is.
 
+#include "catch.h"
 #include "command.h"
 #include "render_fixtures.h"
 
 #include "taut/base/error.h"
 
 #include <tbb/global_control.h>
-
-#include <catch2/catch.hpp>
 
 #include <atomic>
 #include <cstdlib>

@@ -2,7 +2,7 @@
 
 #include "taut/base/frame.h"
 
-#include <catch2/catch.hpp>
+#include "catch.h"
 
 #include <random>
 

@@ -1,10 +1,9 @@
 /// M as any invertible 3x3 matrix, deformations one after another, and canonical forms of sheared blocks.
 
+#include "catch.h"
 #include "direction_bins.h"
 
 #include "taut/microsurface/general_transform.h"
-
-#include <catch2/catch.hpp>
 
 #include <random>
 

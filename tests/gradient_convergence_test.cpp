@@ -1,10 +1,10 @@
 /// Convergence of every gradient estimator and interpolation scheme towards closed forms, with the observed order.
 
+#include "catch.h"
+
 #include "study/measures/gradient_error.h"
 
 #include "taut/base/frame.h"
-
-#include <catch2/catch.hpp>
 
 #include <array>
 #include <cstdio>

@@ -1,10 +1,9 @@
 /// Hits shaded at once and hits shaded one by one are the same picture, to the bit.
 
+#include "catch.h"
 #include "render_fixtures.h"
 
 #include "taut/render/hit_lanes.h"
-
-#include <catch2/catch.hpp>
 
 #include <algorithm>
 

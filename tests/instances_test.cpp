@@ -1,9 +1,8 @@
 // Rigid meshes of an animation are placed, not moved vertex by vertex: the picture is the same, and precision does not depend on where
 // a mesh was modelled or how large its triangles are.
 
+#include "catch.h"
 #include "render_fixtures.h"
-
-#include <catch2/catch.hpp>
 
 using namespace taut;
 using namespace taut::test;

@@ -1,8 +1,7 @@
 #include "taut/deform/lattice.h"
 
+#include "catch.h"
 #include "deformer_fixtures.h"
-
-#include <catch2/catch.hpp>
 
 using namespace taut;
 using namespace taut::test::deformers;

@@ -1,10 +1,10 @@
 /// Choosing among many lights: the tree's choice against its own probabilities, its shape, and lights that degenerate.
 
+#include "catch.h"
 #include "many_lights.h"
 
 #include "taut/render/place_lights.h"
 
-#include <catch2/catch.hpp>
 #include <tbb/global_control.h>
 
 #include <cstring>

@@ -1,8 +1,7 @@
 /// The light of many against quadrature over each alone, and its noise against choice by area.
 
+#include "catch.h"
 #include "many_lights.h"
-
-#include <catch2/catch.hpp>
 
 using namespace taut;
 using namespace taut::test;

@@ -1,5 +1,6 @@
 /// Pictures of mapped surfaces: the furnace, motions that change nothing, and a million real facets beside the map.
 
+#include "catch.h"
 #include "render_fixtures.h"
 
 #include "study/scenes/relief.h"
@@ -7,8 +8,6 @@
 #include "taut/export/gloss_export.h"
 #include "taut/microsurface/mesostructure.h"
 #include "taut/microsurface/random_walk.h"
-
-#include <catch2/catch.hpp>
 
 #include <array>
 #include <iostream>

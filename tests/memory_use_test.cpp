@@ -1,10 +1,9 @@
 /// What deforming meshes occupy while they are rendered, beside the least that they could.
 
+#include "catch.h"
 #include "render_fixtures.h"
 
 #include "taut/render/memory_use.h"
-
-#include <catch2/catch.hpp>
 
 #include <malloc.h>
 

@@ -1,11 +1,10 @@
 /// Facets of maps under deformations: the worked values, D, samplers, and roughening against closed values.
 
+#include "catch.h"
 #include "direction_bins.h"
 
 #include "taut/bsdf/tilted_facet.h"
 #include "taut/microsurface/mesostructure.h"
-
-#include <catch2/catch.hpp>
 
 #include <random>
 

@@ -2,12 +2,11 @@
 
 #include "assets.h"
 #include "bsdf_checks.h"
+#include "catch.h"
 #include "render_fixtures.h"
 
 #include "taut/base/sobol.h"
 #include "taut/scene/load_scene.h"
-
-#include <catch2/catch.hpp>
 
 #include <numeric>
 

@@ -1,12 +1,11 @@
 /// What must hold for every M, tried on 60 random ones of every kind; and the forms that render against published ones.
 
+#include "catch.h"
 #include "direction_bins.h"
 #include "random_transforms.h"
 
 #include "study/microsurface/precision.h"
 #include "taut/microsurface/packed_transform.h"
-
-#include <catch2/catch.hpp>
 
 using namespace taut;
 using namespace taut::test;

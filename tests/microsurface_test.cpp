@@ -1,10 +1,9 @@
 /// The transformed GGX against closed forms and double-precision quadrature.
 
 #include "bsdf_checks.h"
+#include "catch.h"
 
 #include "taut/base/sobol.h"
-
-#include <catch2/catch.hpp>
 
 #include <random>
 

@@ -1,8 +1,7 @@
 /// Motion blur: shutters against closed forms and against the mean of still images.
 
+#include "catch.h"
 #include "render_fixtures.h"
-
-#include <catch2/catch.hpp>
 
 using namespace taut;
 using namespace taut::test;

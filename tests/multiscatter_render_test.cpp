@@ -1,8 +1,7 @@
 /// Multiple scattering within the microsurface, seen through the renderer: furnaces that lose nothing, and what the scene file may ask.
 
+#include "catch.h"
 #include "render_fixtures.h"
-
-#include <catch2/catch.hpp>
 
 using namespace taut;
 using namespace taut::test;

@@ -1,12 +1,11 @@
 /// Every published sampler of micro-normals, reflected and refracted, against its density.
 
+#include "catch.h"
 #include "direction_bins.h"
 
 #include "study/microsurface/normal_samplers.h"
 #include "taut/base/parallel.h"
 #include "taut/base/sobol.h"
-
-#include <catch2/catch.hpp>
 
 #include <random>
 

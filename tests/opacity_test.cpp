@@ -1,10 +1,9 @@
 /// Surfaces that are not there: opacity tested and blended, culling, for rays of the camera, scattered rays and shadow rays; what has no
 /// light of its own to scatter; and what is lost inside a volume.
 
+#include "catch.h"
 #include "render_fixtures.h"
 #include "scene_fixtures.h"
-
-#include <catch2/catch.hpp>
 
 #include <numeric>
 

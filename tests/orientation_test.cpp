@@ -1,13 +1,12 @@
 // Which side of a surface is outside: the sign of the map's determinant at each vertex, and the winding where a file's normals contradict
 // it. Pictures and exports follow.
 
+#include "catch.h"
 #include "render_fixtures.h"
 #include "scene_fixtures.h"
 
 #include "taut/export/gloss_export.h"
 #include "taut/mesh/winding.h"
-
-#include <catch2/catch.hpp>
 
 using namespace taut;
 using namespace taut::test;

@@ -1,7 +1,7 @@
 #pragma once
 /// Where a test writes: a folder that no other test case uses, since many of them run at a time.
 
-#include <catch2/catch.hpp>
+#include "catch.h"
 
 #include <cctype>
 #include <filesystem>

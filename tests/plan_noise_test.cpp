@@ -1,12 +1,11 @@
 /// Light of several facets against its own noise: what a plan predicts, and what renders find.
 
+#include "catch.h"
 #include "render_fixtures.h"
 #include "study/measures/render_image.h"
 
 #include "taut/plan/light_coverage.h"
 #include "taut/plan/plan.h"
-
-#include <catch2/catch.hpp>
 
 #include <cstdio>
 

@@ -1,5 +1,6 @@
 /// Plans: what they choose, and that the image is as close to the full model as they say.
 
+#include "catch.h"
 #include "command.h"
 #include "render_fixtures.h"
 #include "study/measures/image_error.h"
@@ -7,8 +8,6 @@
 #include "study/scenes/plan_scenes.h"
 
 #include "taut/plan/bvh_question.h"
-
-#include <catch2/catch.hpp>
 
 #include <algorithm>
 #include <cstdio>

@@ -1,10 +1,9 @@
 /// Points from anywhere: arrays and functions of the caller move a mesh as deformers and files do; changes between two frames.
 
+#include "catch.h"
 #include "render_fixtures.h"
 
 #include "taut/base/error.h"
-
-#include <catch2/catch.hpp>
 
 #include <iostream>
 #include <malloc.h>

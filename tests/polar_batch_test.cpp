@@ -1,6 +1,6 @@
 #include "taut/deform/polar_batch.h"
 
-#include <catch2/catch.hpp>
+#include "catch.h"
 
 #include <cstring>
 #include <memory>

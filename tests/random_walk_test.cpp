@@ -1,5 +1,6 @@
 /// The random walk on the microsurface: nothing lost, the single bounce in closed form, evaluation and sampling the same thing.
 
+#include "catch.h"
 #include "random_transforms.h"
 #include "statistics.h"
 
@@ -8,8 +9,6 @@
 #include "taut/bsdf/bsdf.h"
 #include "taut/bsdf/interfaces.h"
 #include "taut/microsurface/random_walk.h"
-
-#include <catch2/catch.hpp>
 
 #include <random>
 

@@ -1,8 +1,7 @@
 /// What the README and docs/command.md promise, run: the scene is saved, the commands are executed.
 
 #include "assets.h"
-
-#include <catch2/catch.hpp>
+#include "catch.h"
 
 #include <cstdlib>
 #include <fstream>

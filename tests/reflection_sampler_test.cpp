@@ -1,11 +1,10 @@
 /// The reflection sampler against closed forms, quadrature in double that knows nothing of the cone, and chi-squared.
 
+#include "catch.h"
 #include "direction_bins.h"
 
 #include "taut/bsdf/bsdf.h"
 #include "taut/microsurface/reflection_sampler.h"
-
-#include <catch2/catch.hpp>
 
 using namespace taut;
 using namespace taut::test;

@@ -1,13 +1,12 @@
 /// Cameras, textures, subdivided meshes and sequences, through the renderer.
 
 #include "assets.h"
+#include "catch.h"
 #include "render_fixtures.h"
 
 #include "taut/formats/write_mesh.h"
 #include "taut/render/pixel_filter.h"
 #include "taut/scene/load_scene.h"
-
-#include <catch2/catch.hpp>
 
 #include <fstream>
 

@@ -1,8 +1,8 @@
 /// The renderer against what must hold exactly: rigid motions, rest states, equivalent materials, furnaces, thread counts.
 
+#include "catch.h"
 #include "render_fixtures.h"
 
-#include <catch2/catch.hpp>
 #include <tbb/global_control.h>
 
 using namespace taut;

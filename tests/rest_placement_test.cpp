@@ -1,13 +1,12 @@
 // Rigid is what the matrices say: rotations below non-uniform scales deform, and placements of any scale give a picture.
 
 #include "assets.h"
+#include "catch.h"
 #include "cli_fixtures.h"
 #include "render_fixtures.h"
 
 #include "taut/export/gloss_export.h"
 #include "taut/scene/load_scene.h"
-
-#include <catch2/catch.hpp>
 
 #include <numeric>
 

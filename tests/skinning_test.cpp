@@ -1,6 +1,7 @@
 #include "taut/deform/skinning.h"
 
-#include <catch2/catch.hpp>
+#include "catch.h"
+
 #include <tbb/global_control.h>
 
 #include <cstring>

@@ -157,6 +157,16 @@ TEST_CASE("structure: headers that are installed need no private library, and no
         CHECK(found.count(header) == 0);
 }
 
+TEST_CASE("structure: versions of Embree and of Catch2 differ in one header each", "[structure]") {
+    const std::regex theirs(R"re(#\s*include\s*[<"](embree|catch2/))re");
+    CHECK(std::regex_search("#include <embree4/rtcore.h>", theirs));
+    std::set<std::string> found;
+    for (const std::string folder : {"src", "apps", "tests"})
+        for (const std::string &file : sourcesBelow(folder))
+            if (std::regex_search(sourceText(folder + "/" + file), theirs)) found.insert(folder + "/" + file);
+    CHECK(found == std::set<std::string>{"src/taut/render/embree_packets.h", "tests/catch.h", "tests/structure_test.cpp"});
+}
+
 TEST_CASE("structure: every header has its guard and says what it is", "[structure]") {
     for (const std::string &file : sourcesBelow("src/taut")) {
         if (fs::path(file).extension() != ".h") continue;

@@ -1,14 +1,13 @@
 /// What the renderer must not show: the rest tangent field, UV seams, extraordinary vertices; and what it must: the lean.
 
 #include "assets.h"
+#include "catch.h"
 #include "render_fixtures.h"
 
 #include "taut/base/sobol.h"
 #include "taut/formats/point_cache.h"
 #include "taut/formats/write_mesh.h"
 #include "taut/scene/load_scene.h"
-
-#include <catch2/catch.hpp>
 
 #include <fstream>
 #include <map>

@@ -1,12 +1,11 @@
 /// The surface gradient against closed forms: rest, rigid motion, deformers, skins; and the named policies where there is none.
 
+#include "catch.h"
 #include "render_fixtures.h"
 
 #include "taut/base/frame.h"
 #include "taut/deform/stretch.h"
 #include "taut/deform/surface_motion.h"
-
-#include <catch2/catch.hpp>
 
 #include <random>
 

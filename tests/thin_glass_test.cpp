@@ -2,9 +2,8 @@
 /// furnace.
 
 #include "bsdf_checks.h"
+#include "catch.h"
 #include "render_fixtures.h"
-
-#include <catch2/catch.hpp>
 
 #include <numeric>
 

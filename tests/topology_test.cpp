@@ -1,10 +1,9 @@
 /// Components, boundary loops and complex edges of shapes of which they are known.
 
+#include "catch.h"
 #include "mesh_fixtures.h"
 
 #include "taut/mesh/topology.h"
-
-#include <catch2/catch.hpp>
 
 #include <iostream>
 #include <sstream>

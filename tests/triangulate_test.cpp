@@ -1,12 +1,11 @@
 /// Triangulation of polygons: the same triangles as by looking at every ear and every corner, and none lost in large ones.
 
 #include "assets.h"
+#include "catch.h"
 
 #include "taut/deform/surface.h"
 #include "taut/formats/read_mesh.h"
 #include "taut/mesh/triangulate.h"
-
-#include <catch2/catch.hpp>
 
 #include <numeric>
 #include <random>

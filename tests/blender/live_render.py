@@ -54,7 +54,7 @@ for name, (kind, inputs) in {
     fresh()
     ground(kind, **inputs).data.materials[0].node_tree.nodes
     for node in bpy.data.materials["ground"].node_tree.nodes:
-        if node.type == "BSDF_ANISOTROPIC":
+        if hasattr(node, "distribution"):
             node.distribution = "GGX"
     LIGHTS["rectangle"]()
     alike(name, 0.004)

@@ -20,7 +20,8 @@ def tangents_of(source, number):
         layer.data[loop].uv = corner[:2]
     for polygon in mesh.polygons:
         polygon.use_smooth = True
-    mesh.use_auto_smooth = True
+    if hasattr(mesh, "use_auto_smooth"):  # since 4.1 custom normals need no word
+        mesh.use_auto_smooth = True
     mesh.normals_split_custom_set([corner[2:] for corner in source["corners"]])
     mesh.calc_tangents(uvmap="uv")
     return [[*loop.tangent, loop.bitangent_sign, *loop.normal] for loop in mesh.loops]

@@ -109,7 +109,7 @@ def _make(item, depsgraph, alphas):
     mesh = item.data
     normals = None
     if versions.has_custom_normals(mesh):
-        mesh.calc_normals_split() if hasattr(mesh, "calc_normals_split") else None
+        versions.split_normals(mesh)
         normals = numpy.empty(3 * len(mesh.loops), numpy.float32)
         mesh.loops.foreach_get("normal", normals)
         normals = normals.reshape(-1, 3)

@@ -64,6 +64,12 @@ def keep_custom_normals(mesh):
         mesh.auto_smooth_angle = math.pi
 
 
+def split_normals(mesh):
+    """Brings the normals of its corners up to date; since 4.1 they are whenever they are asked for."""
+    if hasattr(mesh, "calc_normals_split"):
+        mesh.calc_normals_split()
+
+
 def has_custom_normals(mesh):
     """Whether normals of its corners are not those of its faces' angles and smoothness."""
     return mesh.has_custom_normals

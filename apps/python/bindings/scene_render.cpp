@@ -20,10 +20,7 @@ constexpr auto kSignalsEvery = std::chrono::milliseconds(10);
 /// Frees the interpreter's lock, then waits for the scene.
 class Alone {
   public:
-    explicit Alone(Busy &busy) : busy_(busy) {
-        if (busy_.owner == std::this_thread::get_id())
-            throw RunError("scene: used by a function that it has called; wait until that is over");
-        unlocked_.emplace();
+    explicit Alone(Busy &busy) : busy_(notOurs(busy)) {
         busy_.mutex.lock();
         busy_.owner = std::this_thread::get_id();
     }
@@ -35,8 +32,13 @@ class Alone {
     }
 
   private:
+    static Busy &notOurs(Busy &busy) {
+        if (busy.owner == std::this_thread::get_id())
+            throw RunError("scene: used by a function that it has called; wait until that is over");
+        return busy;
+    }
     Busy &busy_;
-    std::optional<py::gil_scoped_release> unlocked_;
+    py::gil_scoped_release unlocked_; // once that is known
 };
 
 Array<float> arrayOf(std::size_t rows, const VertexAttribute &attribute) {

@@ -18,7 +18,7 @@ Sources: Microsurface Transformations, CGF 41(4), 2022; Smith masking in the for
 
     >>> import taut.microsurface as ms
     >>> plate = [10, 20, 10]                               # alpha 0.1, sheared by 2
-    >>> ms.D(plate, [0, 0, 1])
+    >>> float(ms.D(plate, [0, 0, 1]))
     31.83098861837907
     >>> alpha_max, alpha_min, phi = ms.equivalent_alpha(plate)
     >>> f"{alpha_max:.4f} {alpha_min:.4f} {phi:.4f}"

@@ -33,7 +33,7 @@ Panel panelOf(const json &scenes, const std::string &conditions, const std::vect
 Chart benchChart(const json &scenes, const std::string &conditions) {
     Chart chart{"bench", "Samples and rays per second",
                 "The renderer, the same rays sent through bare Embree calls (packets of 16 for camera rays, of 8 for scattered ones, "
-                "a stream for shadow rays) and, where it was measured, Cycles on the same scenes: all in turn, round by round.",
+                "for shadow rays a stream, or packets of 16 by Embree 4) and, where it was measured, Cycles on the same scenes: all in turn, round by round.",
                 "A mark is a scene: median of the rounds, bars half the distance of the quartiles. Rays through the renderer are "
                 "over tracing alone, shading included; samples are over whole frames, updates of moving meshes included.",
                 "Nothing is chosen here. docs/benchmark.md says how it is measured."};

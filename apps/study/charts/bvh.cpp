@@ -101,9 +101,7 @@ class Rays {
             RTCRayHit8 packet = packets_[i];
             alignas(32) std::array<int, 8> valid;
             valid.fill(-1);
-            RTCIntersectContext context;
-            rtcInitIntersectContext(&context);
-            rtcIntersect8(valid.data(), scene, &context, &packet);
+            tracePacket(scene, valid.data(), packet, false);
         });
     }
     [[nodiscard]] double count() const { return 8 * static_cast<double>(packets_.size()); }

@@ -178,8 +178,8 @@ Chart measureGradient(const ChartOptions &options) {
     chart.panels.push_back(
         imagePanel("image-limit", "Images of a limit surface", twistedScene(32, 2), twistedScene(32, 4), kOfLimits, rounds, seeds));
     const auto against = [](const Panel &panel, GradientEstimator ours) {
-        const Point &chosen = pointOf(panel, nameOf(ours));
-        const Point &fit = pointOf(panel, nameOf(GradientEstimator::Area));
+        const Point chosen = pointOf(panel, nameOf(ours));
+        const Point fit = pointOf(panel, nameOf(GradientEstimator::Area));
         return nameOf(ours) + " takes " + digits(chosen.x.value / fit.x.value, 2) + " of the area fit's time, at an error of " +
                digits(chosen.y.value, 2) + " against " + digits(fit.y.value, 2);
     };

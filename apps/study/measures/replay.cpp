@@ -14,7 +14,6 @@ namespace taut::chart {
 namespace {
 
 constexpr std::size_t kGrain = 64;
-constexpr unsigned kStream = 256;
 
 /// Wall clock of the quickest of several runs; `prepare` restores what a run has overwritten and is not timed.
 template <class Prepare, class Run> double quickest(int repetitions, const Prepare &prepare, const Run &run) {
@@ -34,8 +33,7 @@ template <int N, class Packet> std::vector<Packet> makePackets(const std::vector
     return packets;
 }
 
-template <int N, class Packet, void (*Trace)(const int *, RTCScene, RTCIntersectContext *, Packet *)>
-double replayPackets(RTCScene scene, const std::vector<Ray> &rays, bool coherent, int repetitions) {
+template <int N, class Packet> double replayPackets(RTCScene scene, const std::vector<Ray> &rays, bool coherent, int repetitions) {
     if (rays.empty()) return 0;
     const std::vector<Packet> original = makePackets<N, Packet>(rays);
     std::vector<Packet> packets;
@@ -45,29 +43,21 @@ double replayPackets(RTCScene scene, const std::vector<Ray> &rays, bool coherent
             parallelFor(packets.size(), kGrain, [&](std::size_t i) {
                 alignas(64) int valid[N];
                 std::fill(valid, valid + N, -1);
-                RTCIntersectContext context;
-                rtcInitIntersectContext(&context);
-                if (coherent) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-                Trace(valid, scene, &context, &packets[i]);
+                tracePacket(scene, valid, packets[i], coherent);
             });
         });
 }
 
-double replayStream(RTCScene scene, const std::vector<Ray> &rays, int repetitions) {
-    std::vector<RTCRay> original;
-    original.reserve(rays.size());
-    for (const Ray &ray : rays) original.push_back(shadowRay(ray));
-    std::vector<RTCRay> stream;
+double replayShadows(RTCScene scene, const std::vector<Ray> &rays, int repetitions) {
+    constexpr std::size_t kMost = ShadowRays::kMost;
+    std::vector<ShadowRays> original((rays.size() + kMost - 1) / kMost);
+    for (std::size_t i = 0; i < rays.size(); ++i) original[i / kMost].set(i % kMost, rays[i]);
+    std::vector<ShadowRays> packets;
     return quickest(
-        repetitions, [&] { stream = original; },
+        repetitions, [&] { packets = original; },
         [&] {
-            parallelFor((stream.size() + kStream - 1) / kStream, 4, [&](std::size_t i) {
-                const std::size_t begin = i * kStream;
-                const auto count = static_cast<unsigned>(std::min<std::size_t>(kStream, stream.size() - begin));
-                RTCIntersectContext context;
-                rtcInitIntersectContext(&context);
-                rtcOccluded1M(scene, &context, &stream[begin], count, sizeof(RTCRay));
-            });
+            parallelFor(packets.size(), 1024 / kMost,
+                        [&](std::size_t i) { packets[i].trace(scene, std::min(kMost, rays.size() - i * kMost)); });
         });
 }
 
@@ -87,9 +77,9 @@ RayRecord recordRays(const RenderScene &ready, int spp, std::uint32_t seed) {
 ReplayTimes replayRays(const EmbreeScene &scene, const RayRecord &record, int repetitions) {
     const auto native = static_cast<RTCScene>(scene.native());
     ReplayTimes times;
-    times.camera = replayPackets<16, RTCRayHit16, rtcIntersect16>(native, record.camera, true, repetitions);
-    times.scattered = replayPackets<8, RTCRayHit8, rtcIntersect8>(native, record.scattered, false, repetitions);
-    times.shadow = replayStream(native, record.shadow, repetitions);
+    times.camera = replayPackets<16, RTCRayHit16>(native, record.camera, true, repetitions);
+    times.scattered = replayPackets<8, RTCRayHit8>(native, record.scattered, false, repetitions);
+    times.shadow = replayShadows(native, record.shadow, repetitions);
     return times;
 }
 

@@ -14,7 +14,7 @@ struct ReplayTimes {
     [[nodiscard]] double total() const { return camera + scattered + shadow; }
 };
 
-/// Each kind of ray in the way that suits it: camera rays 16 wide, scattered rays 8 wide, shadow rays as a stream; packets are
+/// Each kind of ray in the way that suits it: camera rays 16 wide, scattered rays 8 wide, shadow rays as ShadowRays; packets are
 /// made beforehand and not timed. The least of `repetitions` runs.
 ReplayTimes replayRays(const EmbreeScene &scene, const RayRecord &record, int repetitions);
 

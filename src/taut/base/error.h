@@ -43,8 +43,11 @@ std::string_view nearestName(std::string_view name, std::span<const std::string_
 
 /// `text` in single quotes with control bytes escaped, and only both ends of long input, fit for one line of an error.
 std::string quoted(std::string_view text);
-/// For std::string, so that argument-dependent lookup does not find std::quoted first.
+/// For std::string, constant or not, so that argument-dependent lookup does not find std::quoted first.
 inline std::string quoted(const std::string &text) {
+    return quoted(std::string_view(text));
+}
+inline std::string quoted(std::string &text) {
     return quoted(std::string_view(text));
 }
 

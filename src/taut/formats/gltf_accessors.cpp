@@ -88,7 +88,7 @@ void applySparse(const GltfSource &source, const GltfValue &sparse, const Layout
     if (count == 0 || count > layout.count)
         sparse["count"].fail(std::to_string(count), "1 to " + std::to_string(layout.count) + ", the accessor's count");
     const GltfValue listed = sparse["indices"];
-    const ComponentType &indexType = componentType(listed["componentType"]);
+    const ComponentType indexType = componentType(listed["componentType"]);
     if (!indexType.isUnsigned()) listed["componentType"].fail(indexType.name, "an unsigned type");
     const Elements indices = elementsOf(source, listed, count, indexType.bytes, false);
     const Elements replacing = elementsOf(source, sparse["values"], count, layout.type.bytes * layout.components, false);

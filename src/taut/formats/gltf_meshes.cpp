@@ -14,7 +14,7 @@ std::vector<std::string> morphNames(const GltfValue &mesh, std::size_t count) {
     std::vector<std::string> names(count);
     const GltfValue listed = mesh["extras"]["targetNames"];
     for (std::size_t t = 0; t < count; ++t) {
-        const std::string &name = listed[t].text();
+        const std::string name = listed[t].text();
         names[t] = name.empty() ? "morph" + std::to_string(t) : name;
     }
     return names;

@@ -128,7 +128,7 @@ std::size_t GltfValue::choice(std::span<const std::string_view> valid) const {
 }
 
 std::string GltfValue::nameOr(std::string_view kind, std::size_t number) const {
-    const std::string &name = (*this)["name"].text();
+    const std::string name = (*this)["name"].text();
     return name.empty() ? std::string(kind) + std::to_string(number) : name;
 }
 

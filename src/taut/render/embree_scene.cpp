@@ -55,9 +55,8 @@ void keepSurfaces(const RTCFilterFunctionNArguments *args) {
     }
 }
 
-/// Traces rays [begin, begin + N) as one packet of Embree's N-wide call.
-template <int N, class Packet, void (*Trace)(const int *, RTCScene, RTCIntersectContext *, Packet *)>
-void intersectPacket(RTCScene scene, std::span<const Ray> rays, std::size_t begin, std::span<Hit> hits) {
+/// Traces rays [begin, begin + N) as one packet, N wide.
+template <int N, class Packet> void intersectPacket(RTCScene scene, std::span<const Ray> rays, std::size_t begin, std::span<Hit> hits) {
     alignas(64) std::array<int, N> valid;
     alignas(64) Packet packet;
     const std::size_t count = std::min<std::size_t>(N, rays.size() - begin);
@@ -66,10 +65,7 @@ void intersectPacket(RTCScene scene, std::span<const Ray> rays, std::size_t begi
         valid[i] = i < count ? -1 : 0;
         setLane(packet, i, ray, static_cast<unsigned>(begin + i));
     }
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    if (N == 16) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-    Trace(valid.data(), scene, &context, &packet);
+    tracePacket(scene, valid.data(), packet, N == 16);
     for (std::size_t i = 0; i < count; ++i) {
         Hit &hit = hits[begin + i];
         hit.t = packet.ray.tfar[i];
@@ -108,7 +104,7 @@ EmbreeScene::EmbreeScene(bool refits) : state_(std::make_unique<State>()) {
     state_->scene = rtcNewScene(state_->device);
     state_->refits = refits;
     if (!refits) return;
-    // Only this combination makes Embree 3.13 refit instead of rebuilding.
+    // With this combination Embree refits instead of rebuilding; 3.13 with no other.
     rtcSetSceneFlags(state_->scene, RTC_SCENE_FLAG_DYNAMIC);
     rtcSetSceneBuildQuality(state_->scene, RTC_BUILD_QUALITY_LOW);
 }
@@ -223,22 +219,19 @@ void EmbreeScene::commit() {
 void EmbreeScene::intersect(std::span<const Ray> rays, bool coherent, std::span<Hit> hits, const SurfaceTest *test) const {
     const WithTest with(test);
     if (coherent)
-        for (std::size_t i = 0; i < rays.size(); i += 16) intersectPacket<16, RTCRayHit16, rtcIntersect16>(state_->scene, rays, i, hits);
+        for (std::size_t i = 0; i < rays.size(); i += 16) intersectPacket<16, RTCRayHit16>(state_->scene, rays, i, hits);
     else
-        for (std::size_t i = 0; i < rays.size(); i += 8) intersectPacket<8, RTCRayHit8, rtcIntersect8>(state_->scene, rays, i, hits);
+        for (std::size_t i = 0; i < rays.size(); i += 8) intersectPacket<8, RTCRayHit8>(state_->scene, rays, i, hits);
 }
 
 void EmbreeScene::occluded(std::span<const Ray> rays, std::span<unsigned char> blocked, const SurfaceTest *test) const {
     const WithTest with(test);
-    constexpr std::size_t kStream = 256;
-    std::array<RTCRay, kStream> stream;
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    for (std::size_t begin = 0; begin < rays.size(); begin += kStream) {
-        const std::size_t count = std::min(kStream, rays.size() - begin);
-        for (std::size_t i = 0; i < count; ++i) stream[i] = shadowRay(rays[begin + i], static_cast<unsigned>(begin + i));
-        rtcOccluded1M(state_->scene, &context, stream.data(), static_cast<unsigned>(count), sizeof(RTCRay));
-        for (std::size_t i = 0; i < count; ++i) blocked[begin + i] = stream[i].tfar < 0 ? 1 : 0;
+    ShadowRays together;
+    for (std::size_t begin = 0; begin < rays.size(); begin += ShadowRays::kMost) {
+        const std::size_t count = std::min(ShadowRays::kMost, rays.size() - begin);
+        for (std::size_t i = 0; i < count; ++i) together.set(i, rays[begin + i], static_cast<unsigned>(begin + i));
+        together.trace(state_->scene, count);
+        for (std::size_t i = 0; i < count; ++i) blocked[begin + i] = together.isBlocked(i) ? 1 : 0;
     }
 }
 

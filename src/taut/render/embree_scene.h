@@ -55,7 +55,7 @@ class EmbreeScene {
     void ask(Index geometry, bool asks);
 
     /// Says that the positions of a mesh that is no instance have changed. Its BVH is refitted, or built anew where that is asked for,
-    /// where the scene does not refit and where there are several times (Embree 3 refits none of these).
+    /// where the scene does not refit and where there are several times (Embree refits none of these).
     void update(Index geometry, bool rebuild);
 
     /// Builds or refits what has changed.

@@ -1,6 +1,6 @@
 #pragma once
 /// Rays and hits as plain arrays, in render space, and the calls that trace a batch of them through Embree in the way that suits
-/// each kind: camera rays 16 wide, scattered rays 8 wide, shadow rays as a stream.
+/// each kind: camera rays 16 wide, scattered rays 8 wide, shadow rays as a stream where Embree has streams (embree_packets.h).
 
 #include "taut/base/vec.h"
 

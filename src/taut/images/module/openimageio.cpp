@@ -5,6 +5,8 @@
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
 
@@ -20,6 +22,10 @@ ImagePart partOf(const OIIO::ImageSpec &spec) {
     ImagePart part;
     part.name = std::string(spec.get_string_attribute("oiio:subimagename", spec.get_string_attribute("name", "")));
     for (int c = 0; c < spec.nchannels; ++c) part.channels.emplace_back(spec.channel_name(c));
+    // OpenImageIO 2.5 makes colours of luminance and chroma, 2.4 does not: both say what the file has.
+    constexpr std::array kLuminanceAndChroma{"Y", "RY", "BY"};
+    if (spec.get_int_attribute("openexr:luminancechroma") != 0 && spec.nchannels >= 3)
+        std::copy(kLuminanceAndChroma.begin(), kLuminanceAndChroma.end(), part.channels.begin());
     part.x = spec.x;
     part.y = spec.y;
     part.width = spec.width;
