@@ -25,6 +25,8 @@ struct UniqueNames {
 struct LoadContext {
     explicit LoadContext(Warnings &warnings_) : warnings(warnings_) {}
 
+    [[nodiscard]] Budget *budget() const { return scene.budget.get(); }
+
     Scene scene;
     Warnings &warnings;
     std::string folder;                       ///< relative paths start here

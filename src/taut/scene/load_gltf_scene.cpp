@@ -3,6 +3,8 @@
 
 #include "taut/scene/load_gltf.h"
 
+#include "taut/scene/memory_estimate.h"
+
 #include <algorithm>
 #include <array>
 
@@ -148,6 +150,7 @@ void addGltfObjects(LoadContext &context, const Object &common, const std::share
         object.rig->node = nodeIndex;
         // glTF 2.0, section 3.7.2.1: without normals, faces are flat. Under subdivision the limit surface has normals of its own.
         if (!smoothAsked && file.flat[mesh] != 0) object.smooth = false;
+        chargeObject(*context.budget(), object, context.scene.render);
         setSlots(context, file, mesh, variant, material, object);
         context.scene.objects.push_back(std::move(object));
     }
