@@ -33,6 +33,7 @@ std::span<const Harness> harnesses() {
         Harness{"scene", runScene, sceneSeeds, Grammar::Toml},
         Harness{"film", runFilm, filmSeeds},
         Harness{"restore", runRestore, restoreSeeds},
+        Harness{"saved", runSaved, savedSeeds},
         Harness{"image", runImage, imageSeeds},
         Harness{"png", runImage, pngSeeds, Grammar::Png},
         Harness{"environment", runEnvironment, environmentSeeds},

@@ -5,6 +5,10 @@
 
 #include "render_fixtures.h"
 
+#include "taut/base/checked_stream.h"
+#include "taut/base/file_bytes.h"
+#include "taut/render/saved_frame.h"
+
 #include <sstream>
 
 namespace taut::fuzz {
@@ -79,6 +83,54 @@ void runRestore(std::string_view bytes) {
         render.advance(budget);
         static_cast<void>(render.film());
     });
+}
+
+/// Files of frames, the hash at their end made right. The first two bytes: how long the first of two is.
+void runSaved(std::string_view bytes) {
+    if (bytes.size() < 2) return;
+    const auto byte = [&](std::size_t i) { return static_cast<std::size_t>(static_cast<unsigned char>(bytes[i])); };
+    const std::size_t first = std::min(byte(0) << 8U | byte(1), bytes.size() - 2);
+    std::vector<std::string> paths;
+    for (const std::string_view content : {bytes.substr(2, first), bytes.substr(2 + first)}) {
+        if (content.empty()) continue;
+        paths.push_back(scratchFolder() + "/saved" + std::to_string(paths.size()) + ".shard");
+        CheckedWriter writer(paths.back());
+        writer.stream() << content;
+        writer.finish();
+    }
+    if (paths.empty()) return;
+    survive([&] {
+        FrameRender render(smallRender(), smallOptions(false));
+        resumeSavedFrame(paths.front(), readSavedHead(paths.front()), render);
+        static_cast<void>(render.film());
+    });
+    survive([&] {
+        const MergedFrame merged = mergeShards(paths);
+        require(merged.film.window() == merged.head.window, "merged shards fill the window");
+    });
+}
+
+std::vector<std::string> savedSeeds() {
+    const auto file = [&](int part, int parts) {
+        const FrameOptions whole = smallOptions(false);
+        SavedHead head;
+        head.part = {SplitBy::Samples, part, parts};
+        FrameRender render(smallRender(), optionsOfPart(whole, head.part, smallRender().scene().render));
+        render.advance();
+        head.facts = settingFacts(smallRender().scene(), whole, 1);
+        head.width = head.height = 4;
+        head.window = {0, 0, 4, 4};
+        head.done = true;
+        const std::string path = scratchFolder() + "/seed.shard";
+        writeSavedFrame(path, head, render);
+        const std::string bytes = readFileBytes(path);
+        constexpr std::size_t kHash = 32; // of its end (checked_stream.h)
+        return bytes.substr(0, bytes.size() - kHash);
+    };
+    const auto joined = [](const std::string &a, const std::string &b) {
+        return std::string{static_cast<char>(a.size() >> 8U), static_cast<char>(a.size() & 0xffU)} + a + b;
+    };
+    return {joined(file(1, 1), ""), joined(file(1, 2), file(2, 2)), joined(file(2, 3), file(1, 2))};
 }
 
 std::vector<std::string> filmSeeds() {

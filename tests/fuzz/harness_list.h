@@ -42,8 +42,10 @@ std::vector<std::string> writerSeeds();
 // harness_film.cpp
 void runFilm(std::string_view bytes);
 void runRestore(std::string_view bytes);
+void runSaved(std::string_view bytes);
 std::vector<std::string> filmSeeds();
 std::vector<std::string> restoreSeeds();
+std::vector<std::string> savedSeeds();
 
 // harness_images.cpp
 void runImage(std::string_view bytes);

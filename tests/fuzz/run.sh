@@ -15,7 +15,7 @@ for name in ${FUZZ_HARNESSES:-$names}; do
     mkdir -p "$corpora/$name" "$crashes/$name"
     case $name in
     mdd) words=pc2 ;;
-    restore | checkpoint) words=film ;;
+    restore | saved) words=film ;;
     png | environment) words=image ;;
     scene | writers) words=toml ;;
     *) words=$name ;;
