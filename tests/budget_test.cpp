@@ -5,6 +5,7 @@
 
 #include "taut/base/budget.h"
 #include "taut/formats/point_cache.h"
+#include "taut/mesh/triangulate.h"
 #include "taut/render/frame_render.h"
 #include "taut/scene/environment.h"
 #include "taut/scene/load_scene.h"
@@ -114,11 +115,23 @@ TEST_CASE("Small files that ask for much are refused before it is spent", "[budg
         CHECK_THAT(refusal(mesh + many("deform = [", "{ type = \"twist\", angle_deg = 1 }", 20000, "]\n"), quads(100)),
                    Contains("20000 deformers") && Contains(" s to prepare"));
     }
+    SECTION("lattices") {
+        CHECK_THAT(refusal(mesh + many("deform = [", "{ type = \"lattice\", points = [16, 16, 16] }", 6000, "]\n"), quads(1)),
+                   Contains("a lattice"));
+    }
     SECTION("lights over materials") {
         std::string toml = many("light = [", "{ type = \"point\" }", 20000, "]\n");
         toml += many("mesh = [", "{ file = \"mesh.obj\" }", 1000, "]\n");
         CHECK_THAT(refusal(toml, quads(1)), Contains("20000 lights"));
     }
+}
+
+TEST_CASE("A polygon that comes back to few places is cut in bounded time", "[budget]") {
+    std::vector<Vec3> points;
+    for (int i = 0; i < 100000; ++i) points.emplace_back(i % 4 == 1 || i % 4 == 2 ? 1 : 0, i % 4 >= 2 ? 1 : 0, 0);
+    std::vector<Index3> triangles;
+    triangulate(points, triangles);
+    CHECK(triangles.size() == points.size() - 2);
 }
 
 TEST_CASE("Automatic levels stay within the limit", "[budget]") {
@@ -179,6 +192,14 @@ TEST_CASE("Parts of glTF files that are shared count each time", "[budget]") {
         b.json["materials"] = {nlohmann::json::object()};
         b.json["extensions"] = {{"KHR_materials_variants", {{"variants", std::vector<nlohmann::json>(20000, {{"name", "a"}})}}}};
         CHECK_THAT(refused("variants.gltf"), Contains("--max-memory"));
+    }
+    SECTION("a chain of nodes with a mesh each") {
+        nlohmann::json nodes = nlohmann::json::array();
+        for (int n = 0; n < 5000; ++n) nodes.push_back({{"mesh", 0}, {"children", {n + 1}}});
+        nodes.push_back({{"mesh", 0}});
+        b.json["meshes"] = {{{"primitives", {{{"attributes", {{"POSITION", b.addFloats("VEC3", {0, 0, 0, 1, 0, 0, 0, 1, 0})}}}}}}}};
+        b.json["nodes"] = nodes;
+        CHECK_THAT(refused("chain.gltf"), Contains("within") && Contains(" s to prepare"));
     }
     SECTION("instances of a node with a long name") {
         std::vector<float> places(3 * 5000, 0.0F);

@@ -94,7 +94,7 @@ template <class Read> Index addTexture(LoadContext &context, const std::string &
 
 /// [[mesh]]: appends its objects.
 void loadMeshes(LoadContext &context, const TomlValue &section);
-std::vector<DeformerKeys> loadDeformers(const TomlValue &section);
+std::vector<DeformerKeys> loadDeformers(Budget &budget, const TomlValue &section);
 /// translate, rotate_deg and scale of a [[mesh]] or [camera], and `up` for files that may be y up.
 Placement loadPlacement(TableReader &table, bool yUpByDefault);
 

@@ -212,7 +212,7 @@ void loadMeshes(LoadContext &context, const TomlValue &section) {
         table.read("smooth", object.smooth);
         table.read("follow", object.follow);
         table.read("rest", object.rest, toRest);
-        if (const TomlValue *deform = table.find("deform")) object.deformers = loadDeformers(*deform);
+        if (const TomlValue *deform = table.find("deform")) object.deformers = loadDeformers(*context.budget(), *deform);
         object.placement = loadPlacement(table, isGltfPath(file.text));
         if (given != context.given.end())
             addGiven(context, table, given->second, std::move(object));
