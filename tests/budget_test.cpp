@@ -6,6 +6,7 @@
 #include "taut/base/budget.h"
 #include "taut/formats/point_cache.h"
 #include "taut/mesh/triangulate.h"
+#include "taut/render/embree_scene.h"
 #include "taut/render/frame_render.h"
 #include "taut/scene/environment.h"
 #include "taut/scene/load_scene.h"
@@ -230,7 +231,7 @@ TEST_CASE("Images are measured by their headers before a decoder is asked", "[bu
     }
     SECTION("tiles") {
         const std::string header = exr + attribute("dataWindow", "box2i", {0, 0, 99, 99}) + attribute("displayWindow", "box2i", {0, 0, 99, 99}) +
-                                   attribute("tiles", "tiledesc", {0x7fffffff, 0x7fffffff}) +
+                                   std::string("tiles\0tiledesc\0\x09\0\0\0\xff\xff\xff\x7f\xff\xff\xff\x7f\0", 28) +
                                    std::string("channels\0chlist\0\x13\0\0\0R\0", 22) + std::string(16, '\0') + '\0';
         CHECK_THROWS_AS(read(header + '\0'), LimitError);
     }
@@ -238,6 +239,10 @@ TEST_CASE("Images are measured by their headers before a decoder is asked", "[bu
         CHECK_THROWS_WITH(read(exr + attribute("dataWindow", "box2i", {0, 0, 9, 9}) + attribute("displayWindow", "box2i", {0, 0, 9, 9}) +
                                attribute("chunkCount", "int", {0x10000000}) + '\0'),
                           Contains("268435456 chunks"));
+    }
+    SECTION("an attribute that is not as long as its type") {
+        CHECK_THROWS_WITH(read(exr + attribute("displayWindow", "box2i", {0, 0}) + '\0'), Contains("'box2i'") && Contains("not as long as its type"));
+        CHECK_THROWS_WITH(read(exr + attribute("a", "stringvector", {0x40000000}) + '\0'), Contains("not as long as its type"));
     }
     SECTION("a map of radiance") {
         const std::string hdr = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 8192 +X 32768\n" + std::string(50000, '\2');
@@ -295,9 +300,33 @@ TEST_CASE("--max-memory raises the limit by hand", "[budget][cli]") {
     writeFile("mesh.obj", quads(60));
     const std::string scene = writeFile("raised.toml", "[[mesh]]\nfile = \"mesh.obj\"\nsubdivision = 5\n");
     const CommandResult refused = runTaut({"render", "--check", "-q", scene});
-    CHECK(refused.code == 2);
+    CHECK(refused.exitCode == 2);
     CHECK_THAT(errorLine(refused), Contains("--max-memory"));
-    CHECK(runTaut({"render", "--check", "-q", scene, "-D", "mesh.0.subdivision=1"}).code == 0);
+    CHECK(runTaut({"render", "--check", "-q", scene, "-D", "mesh.0.subdivision=1"}).exitCode == 0);
     CHECK_THAT(errorLine(runTaut({"render", "--check", scene, "-D", "mesh.0.subdivision=1", "--max-memory", "1m"})), Contains("expected at most 1 MB"));
     CHECK_THAT(errorLine(runTaut({"info", "--max-memory", "5x", scene})), Contains("an amount of memory"));
+}
+
+TEST_CASE("Rays that Embree would end the process at meet nothing", "[render]") {
+    EmbreeScene embree(false);
+    const std::vector<Vec3> corners{Vec3(-1, -1, 0), Vec3(1, -1, 0), Vec3(0, 1, 0), Vec3(0)};
+    const std::vector<Index3> triangle{Index3(0, 1, 2)};
+    embree.addTriangles({std::span<const Vec3>(corners)}, triangle);
+    embree.commit();
+    const float nan = std::nanf("");
+    std::vector<Ray> rays(20);
+    for (Ray &ray : rays) ray = {Vec3(0, 0, 1), 0, Vec3(0, 0, -1), kInfinity, 0};
+    rays[1].origin.x = nan;
+    rays[2].direction.y = nan;
+    rays[3].origin.z = 3e18F;
+    rays[4].direction.z = -kInfinity;
+    rays[5].farthest = nan;
+    std::vector<Hit> hits(rays.size());
+    std::vector<unsigned char> blocked(rays.size());
+    for (const bool coherent : {true, false}) {
+        embree.intersect(rays, coherent, hits, nullptr);
+        for (std::size_t i = 0; i < rays.size(); ++i) CHECK((hits[i].geometry != kNone) == (i == 0 || i > 5));
+    }
+    embree.occluded(rays, blocked, nullptr);
+    for (const unsigned char one : blocked) CHECK(one == 1);
 }

@@ -1,5 +1,6 @@
 #include "taut/scene/exr_guard.h"
 
+#include "taut/base/error.h"
 #include "taut/formats/raw_number.h"
 
 #include <algorithm>
@@ -25,8 +26,51 @@ struct ExrPart {
     std::int64_t channels = 0;
     std::int64_t tileWidth = 0, tileHeight = 0; ///< 0: scan lines
     std::int64_t chunks = 0;
-    std::int64_t preview = 0; ///< texels
 };
+
+struct TypeSize {
+    std::string_view type;
+    std::size_t bytes;
+};
+/// Types that the library reads by their own size, whatever an attribute says.
+constexpr TypeSize kTypeSizes[] = {{"box2i", 16}, {"box2f", 16}, {"chromaticities", 32}, {"compression", 1}, {"deepImageState", 1}, {"double", 8},
+                                   {"envmap", 1}, {"float", 4},  {"int", 4},             {"keycode", 28},    {"lineOrder", 1},      {"m33f", 36},
+                                   {"m33d", 72},  {"m44f", 64},  {"m44d", 128},          {"rational", 8},    {"tiledesc", 9},       {"timecode", 8},
+                                   {"v2i", 8},    {"v2f", 8},    {"v2d", 16},            {"v3i", 12},        {"v3f", 12},           {"v3d", 24}};
+
+std::int64_t wordOf(std::string_view value, std::size_t number) {
+    return value.size() >= 4 * number + 4 ? rawNumber<std::int32_t>(value.data() + 4 * number) : 0;
+}
+
+/// Channels of a list, each a name, a zero and 16 bytes, to the zero at its end; -1 where that is not the value's end.
+std::int64_t channelsOf(std::string_view value) {
+    std::int64_t channels = 0;
+    std::size_t at = 0;
+    for (; at < value.size() && value[at] != '\0'; ++channels) {
+        const std::size_t end = value.find('\0', at);
+        if (end == std::string_view::npos) return -1;
+        at = end + 1 + 16;
+    }
+    return at + 1 == value.size() ? channels : -1;
+}
+
+/// Whether a value ends where the library, which reads it by its type, will end.
+bool hasItsSize(std::string_view type, std::string_view value) {
+    for (const TypeSize &known : kTypeSizes)
+        if (known.type == type) return value.size() == known.bytes;
+    if (type == "chlist") return channelsOf(value) >= 0;
+    if (type == "preview") {
+        const double texels = static_cast<double>(static_cast<std::uint32_t>(wordOf(value, 0))) * static_cast<std::uint32_t>(wordOf(value, 1));
+        return value.size() >= 8 && 8 + 4 * texels == static_cast<double>(value.size());
+    }
+    if (type == "stringvector")
+        for (std::size_t at = 0; at < value.size();) {
+            const std::int64_t length = wordOf(value.substr(at), 0);
+            if (value.size() - at < 4 || length < 0 || static_cast<std::uint64_t>(length) > value.size() - at - 4) return false;
+            at += 4 + static_cast<std::size_t>(length);
+        }
+    return true;
+}
 
 class HeaderWalk {
   public:
@@ -79,13 +123,14 @@ class HeaderWalk {
             damage = "an OpenEXR attribute of " + std::to_string(size) + " bytes at byte " + std::to_string(start) + ", which the file has not";
             return false;
         }
-        read(name, type, bytes_.substr(at_ + 4, static_cast<std::size_t>(size)), part);
+        const std::string_view value = bytes_.substr(at_ + 4, static_cast<std::size_t>(size));
+        if (!hasItsSize(type, value)) {
+            damage = "an OpenEXR attribute of type " + quoted(type) + " at byte " + std::to_string(start) + " that is not as long as its type";
+            return false;
+        }
+        read(name, type, value, part);
         at_ += 4 + static_cast<std::size_t>(size);
         return true;
-    }
-
-    static std::int64_t wordOf(std::string_view value, std::size_t number) {
-        return value.size() >= 4 * number + 4 ? rawNumber<std::int32_t>(value.data() + 4 * number) : 0;
     }
 
     static void read(std::string_view name, std::string_view type, std::string_view value, ExrPart &part) {
@@ -98,14 +143,7 @@ class HeaderWalk {
             part.tileHeight = static_cast<std::uint32_t>(wordOf(value, 1));
         }
         if (name == "chunkCount") part.chunks = wordOf(value, 0);
-        if (type == "preview") part.preview = static_cast<std::int64_t>(static_cast<std::uint32_t>(wordOf(value, 0))) * static_cast<std::uint32_t>(wordOf(value, 1));
-        if (type != "chlist") return;
-        // A name, a zero, 16 bytes; at the end a zero.
-        for (std::size_t at = 0; at < value.size() && value[at] != '\0'; ++part.channels) {
-            const std::size_t end = value.find('\0', at);
-            if (end == std::string_view::npos) break;
-            at = end + 1 + 16;
-        }
+        if (type == "chlist") part.channels = channelsOf(value);
     }
 
     std::string_view bytes_;
@@ -128,7 +166,6 @@ std::string damageOfExr(std::string_view bytes) {
         // Every chunk takes eight bytes in the file's table of them.
         if (part.chunks < 0 || part.chunks > static_cast<std::int64_t>(bytes.size() / 8))
             return "an OpenEXR part of " + std::to_string(part.chunks) + " chunks, for which the file is too short";
-        if (4 * part.preview > static_cast<std::int64_t>(bytes.size())) return "an OpenEXR preview that is larger than the file";
     }
     return {};
 }
