@@ -9,7 +9,7 @@ PACKAGES := g++ cmake ninja-build pkg-config libopenmesh-dev libosd-dev libembre
             ffmpeg gnuplot-nox fonts-dejavu-core $(PYTHON_PACKAGES)
 MISSING := $(shell for p in $(PACKAGES); do dpkg-query -W -f='$${Status}' $$p 2>/dev/null | grep -q 'install ok installed' || echo $$p; done)
 
-.PHONY: all build command deps python blender-addon export-tools demo test bench debian13 debian13-blender debian13-bench sanitize format clean
+.PHONY: all build command deps python blender-addon export-tools demo test bench debian13 debian13-blender debian13-bench sanitize fuzz-tools fuzz fuzz-coverage format clean
 
 all: build
 
@@ -72,6 +72,21 @@ sanitize: deps
 	cmake --preset sanitize
 	cmake --build --preset sanitize
 	ctest --preset sanitize -j $$(nproc)
+
+fuzz-tools: deps
+	$(SUDO) env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends clang-14 libclang-rt-14-dev llvm-14
+
+# Every harness for FUZZ_SECONDS or FUZZ_RUNS (docs/limits.md). Corpora stay in build/corpora, findings in build/findings.
+fuzz: fuzz-tools
+	cmake --preset fuzz
+	cmake --build --preset fuzz
+	tests/fuzz/run.sh build/fuzz build/corpora build/findings
+
+# How many lines of src/ the corpora reach.
+fuzz-coverage: fuzz-tools
+	cmake --preset fuzz-coverage
+	cmake --build --preset fuzz-coverage
+	tests/fuzz/coverage.sh build/fuzz-coverage build/corpora
 
 format:
 	clang-format -i $$(git ls-files '*.h' '*.cpp')

@@ -179,3 +179,12 @@ TEST_CASE("film: a pixel that nothing reached is black, AOVs are means over hits
     CHECK(film.channelNames() == std::vector<std::string>{"R", "G", "B", "A", "Z", "u", "v"});
     CHECK(film.resolve() == std::vector<float>{0.5F, 1, 1.5F, 0.5F, 2, 4, 8, 0, 0, 0, 0, 0, 0, 0});
 }
+
+TEST_CASE("exact sums: one that was restored beyond half the limit goes on", "[film]") {
+    ExactSum sum(0, 0x6666666666666666);
+    sum.add(1.0F);
+    CHECK(sum == ExactSum(0, 0x6666666666666667));
+    ExactSum negative(0, -0x6666666666666666);
+    negative.add(-1.0F);
+    CHECK(negative == ExactSum(0, -0x6666666666666667));
+}

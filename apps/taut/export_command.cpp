@@ -6,6 +6,8 @@
 #include "progress.h"
 #include "scene_arguments.h"
 
+#include "taut/scene/memory_estimate.h"
+
 #include <unistd.h>
 
 #include <iostream>
@@ -30,6 +32,7 @@ int exportScene(ExportArguments &arguments) {
         for (Object &object : scene.objects) {
             object.subdivision.level = *arguments.level;
             object.planLevel = false;
+            chargeObject(*scene.budget, object, scene.render);
         }
     const ProgressStyle style = arguments.quiet || arguments.json ? ProgressStyle::None
                                 : isatty(STDERR_FILENO) != 0      ? ProgressStyle::Bar

@@ -8,6 +8,7 @@
 #include "taut/export/usda_writer.h"
 #include "taut/export/write_gloss.h"
 #include "taut/formats/point_cache.h"
+#include "taut/scene/memory_estimate.h"
 
 #include <fmt/format.h>
 
@@ -145,8 +146,12 @@ Exporter::Exporter(const Scene &scene, const ExportRequest &arguments)
                std::find(arguments.objects.begin(), arguments.objects.end(), object.name) != arguments.objects.end();
     };
     objects_.reserve(scene.objects.size());
-    for (const Object &object : scene.objects)
-        if (isChosen(object)) prepareGlossObject(scene, object, objects_.emplace_back());
+    for (const Object &object : scene.objects) {
+        if (!isChosen(object)) continue;
+        if (scene.budget && object.planLevel) // nobody plans: its level is taken as it is
+            scene.budget->take(objectBytes(object, scene.render, object.subdivision.level), "mesh " + quoted(object.name), "subdivision = \"auto\"");
+        prepareGlossObject(scene, object, objects_.emplace_back());
+    }
     if (objects_.empty()) failInput({scene.path}, "no mesh", "at least one to export");
     for (Output &output : outputs_) output.parts = partsOf(output, frames_, objects_);
     checkPaths();

@@ -2,6 +2,7 @@
 
 #include "commands.h"
 
+#include "taut/base/budget.h"
 #include "taut/base/frame_set.h"
 #include "taut/formats/gltf.h"
 #include "taut/scene/load_scene.h"
@@ -17,6 +18,8 @@ void addSceneArguments(CLI::App &command, SceneArguments &arguments) {
     command.add_option("--frames", arguments.frames,
                        "Frames: 1-48, 1-5,9, 1-100x5, or clip: the length of the clip (default: the scene's)");
     command.add_option("-t,--threads", arguments.threads, "Threads (default: all)")->check(CLI::Range(1, 1024));
+    command.add_option("--max-memory", arguments.maxMemory,
+                       "Memory that the scene may ask for: 8g, 512m (default: 768m, or 128 times the bytes of its files if that is more)");
 }
 
 namespace {
@@ -42,7 +45,9 @@ Scene loadScene(const SceneArguments &arguments, bool quiet) {
         if (arguments.frames != "clip") parseFrameSet(arguments.frames, {"--frames"}); // its own error, before the scene's
         overrides.push_back("render.frames=\"" + arguments.frames + "\"");
     }
-    Scene scene = taut::loadScene(arguments.scene, overrides, warnings);
+    const auto budget = arguments.maxMemory.empty() ? std::make_shared<Budget>()
+                                                    : std::make_shared<Budget>(memorySize(arguments.maxMemory, "--max-memory"));
+    Scene scene = taut::loadScene(arguments.scene, overrides, warnings, budget);
     tellOfClip(arguments, scene, warnings);
     if (!quiet) printWarnings(warnings);
     return scene;

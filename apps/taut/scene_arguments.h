@@ -18,10 +18,11 @@ struct SceneArguments {
     std::string scene;
     std::vector<std::string> overrides;
     std::string frames;
-    int threads = 0; ///< 0: all
+    int threads = 0;       ///< 0: all
+    std::string maxMemory; ///< empty: the default limit
 };
 
-/// Adds SCENE, -D, --frames and -t to a subcommand.
+/// Adds SCENE, -D, --frames, -t and --max-memory to a subcommand.
 void addSceneArguments(CLI::App &command, SceneArguments &arguments);
 
 /// Reads the scene, applies --frames, prints warnings unless `quiet`.

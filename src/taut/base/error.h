@@ -26,6 +26,12 @@ class InputError : public std::runtime_error {
     explicit InputError(const std::string &line);
 };
 
+/// Input that asks for more than a limit which can be raised by hand.
+class LimitError : public InputError {
+  public:
+    using InputError::InputError;
+};
+
 /// Something failed while running (disk full, ...): exit code 1.
 class RunError : public std::runtime_error {
   public:

@@ -27,7 +27,7 @@ class ExactSum {
         const int exponent = static_cast<int>(bits >> 23U & 0xffU);
         const int shift = exponent - 150 + 64;
         // What light mostly is, far from the limit: neither rounded nor held.
-        if (static_cast<unsigned>(shift) < 64U && static_cast<std::uint64_t>(high() + kFar) < 2 * static_cast<std::uint64_t>(kFar)) {
+        if (static_cast<unsigned>(shift) < 64U && static_cast<std::uint64_t>(high()) + kFar < 2 * kFar) {
             const Int128 units = static_cast<Int128>((bits & 0x7fffffU) | 0x800000U) << shift;
             value_ += (bits >> 31U) != 0 ? -units : units;
         } else if ((bits & 0x7fffffffU) != 0) {
@@ -48,7 +48,7 @@ class ExactSum {
     static constexpr Int128 kLimit =
         (Int128{std::numeric_limits<std::int64_t>::max()} << 64) | Int128{std::numeric_limits<std::uint64_t>::max()};
     static constexpr int kHighestShift = 127 - 24 - 1;          ///< of 24 bits that stay within the limit
-    static constexpr std::int64_t kFar = std::int64_t{1} << 62; ///< high words below it are far from the limit
+    static constexpr std::uint64_t kFar = std::uint64_t{1} << 62; ///< high words below it are far from the limit
 
     constexpr void addSeldom(std::uint32_t bits, int exponent, int shift) {
         const std::uint32_t fraction = bits & 0x7fffffU;

@@ -22,7 +22,7 @@ namespace multiple {
         const float mean = energy::averageAlbedo(bsdf.micro);
         s.lossMean = 1 - mean;
         withInterface(bsdf, [&](const auto &facet) {
-            if constexpr (!facet.kTransmits) {
+            if constexpr (!std::decay_t<decltype(facet)>::kTransmits) {
                 s.color = energy::multipleColor(facet.meanReflectance(), mean);
                 const float multipleShare = s.loss * luminance(s.color);
                 const float singleShare = (1 - s.loss) * luminance(facet.reflectance(wo.z));

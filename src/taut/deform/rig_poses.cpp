@@ -12,7 +12,10 @@ constexpr std::size_t kMostPoses = 130;
 constexpr std::size_t kMostNodes = std::size_t{1} << 18;
 
 std::size_t capacity(const Rig &rig) {
-    return std::clamp<std::size_t>(kMostNodes / std::max<std::size_t>(1, rig.nodes.size()), 4, kMostPoses);
+    constexpr std::size_t kWeightsPerNode = 32; // take as much as a node's matrix
+    std::size_t weights = 0;
+    for (const Node &node : rig.nodes) weights += node.morphWeights.size();
+    return std::clamp<std::size_t>(kMostNodes / std::max<std::size_t>(1, rig.nodes.size() + weights / kWeightsPerNode), 4, kMostPoses);
 }
 
 } // namespace

@@ -198,7 +198,7 @@ class LimitRows {
         if (exact)
             surface.slope[s] = Vec2(0);
         else
-            for (const auto &[refined, weight] : fit.entries) addPoint(refined, [&](float w) { return Vec3(0, w * weight); });
+            for (const auto &[refined, weight] : fit.entries) addPoint(refined, [scale = weight](float w) { return Vec3(0, w * scale); });
         std::sort(entries_.begin(), entries_.end(), [](const auto &a, const auto &b) { return a.first < b.first; });
         for (std::size_t i = 0; i < entries_.size();) {
             Vec3 sum(0);

@@ -8,6 +8,7 @@
 ///
 /// What a file holds and nothing of this reads is counted by name (GltfFile::leftOut) and said in one line.
 
+#include "taut/base/budget.h"
 #include "taut/base/error.h"
 #include "taut/deform/rig.h"
 #include "taut/formats/texture_sampler.h"
@@ -138,7 +139,8 @@ struct GltfFile {
 
 /// Reads a .gltf or .glb. Throws InputError naming the file and the JSON path (`meshes[0].primitives[1]...`) or the byte
 /// offset where it is malformed. Extensions that are required but unknown are errors; what is used and not shown is one warning.
-GltfFile readGltf(const std::string &path, Warnings &warnings);
+/// `budget` is asked before memory is: null: one of its own.
+GltfFile readGltf(const std::string &path, Warnings &warnings, Budget *budget = nullptr);
 
 bool isGltfPath(const std::string &path);
 

@@ -131,10 +131,8 @@ std::vector<T> decode(const GltfSource &source, const GltfValue &reference, int 
     if (inBuffer) elements = elementsOf(source, accessor, layout.count, layout.type.bytes * layout.components, true);
     // Accessors may be shared by any number of users: the sum is what has to stay in proportion to the file.
     const std::size_t count = wanted != nullptr ? wanted->size() : layout.count;
-    source.decodedBytes += count * layout.components * sizeof(T);
-    if (source.decodedBytes > source.decodedBudget())
-        accessor.fail("data shared so often that they take " + std::to_string(source.decodedBytes) + " bytes",
-                      "at most " + std::to_string(source.decodedBudget()));
+    source.budget.take(static_cast<double>(count) * static_cast<double>(layout.components) * sizeof(T), accessor.place(),
+                       std::to_string(count) + " elements for " + use);
     std::vector<T> values(count * layout.components, T(0));
     if (inBuffer)
         for (std::size_t i = 0; i < count; ++i)

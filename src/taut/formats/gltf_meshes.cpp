@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <map>
+#include <utility>
 
 namespace taut {
 
@@ -225,7 +226,7 @@ class MeshJoiner {
 };
 
 /// The material of a primitive, and under each variant (KHR_materials_variants).
-GltfSlot slotOf(const GltfValue &primitive, const GltfFile &file) {
+GltfSlot slotOf(const GltfValue &primitive, const GltfFile &file, Budget &budget) {
     GltfSlot slot;
     const auto materialOf = [&](const GltfValue &reference) {
         return reference.present() ? reference.index(file.materials.size(), "materials") : kNone;
@@ -235,6 +236,8 @@ GltfSlot slotOf(const GltfValue &primitive, const GltfFile &file) {
     for (std::size_t m = 0; m < mappings.size(); ++m) {
         const GltfValue variants = mappings[m]["variants"];
         for (std::size_t v = 0; v < variants.size(); ++v) {
+            if (slot.variants.empty())
+                budget.take(static_cast<double>(sizeof(Index) * file.variants.size()), primitive.place(), "materials of its variants");
             slot.variants.resize(file.variants.size(), slot.material);
             slot.variants[variants[v].index(file.variants.size(), "variants")] = materialOf(mappings[m]["material"]);
         }
@@ -254,21 +257,22 @@ bool hasTriangles(const GltfPrimitive &primitive) {
 Index readMesh(const GltfSource &source, const GltfValue &gltf, const std::string &name, GltfFile &file, Warnings &warnings) {
     const GltfValue primitives = gltf["primitives"];
     const std::size_t morphs = gltfMorphCount(gltf);
+    source.budget.take(static_cast<double>(sizeof(std::string) * morphs), gltf.place(), "names of its morph targets");
     const std::vector<std::string> targetNames = morphNames(gltf, morphs);
     Mesh mesh;
     mesh.name = name;
     MeshJoiner joiner(mesh);
     std::vector<GltfSlot> slots;
+    std::map<std::pair<Index, std::vector<Index>>, Index> numbers; // of slots
     for (std::size_t p = 0; p < primitives.size(); ++p) {
         const GltfPrimitive primitive{source, primitives[p], name, warnings, file.leftOut};
         if (const GltfValue targets = primitive.gltf["targets"]; targets.size() != morphs)
             targets.fail(std::to_string(targets.size()) + " morph targets", std::to_string(morphs) + " as in the mesh's first primitive");
-        const GltfSlot slot = slotOf(primitive.gltf, file);
+        const GltfSlot slot = slotOf(primitive.gltf, file, source.budget);
         if (!hasTriangles(primitive)) continue;
-        const auto known = std::find(slots.begin(), slots.end(), slot);
-        const auto number = static_cast<Index>(known - slots.begin());
-        if (known == slots.end()) slots.push_back(slot);
-        joiner.add(primitive, targetNames, number);
+        const auto [known, isNew] = numbers.try_emplace({slot.material, slot.variants}, static_cast<Index>(slots.size()));
+        if (isNew) slots.push_back(slot);
+        joiner.add(primitive, targetNames, known->second);
     }
     if (slots.empty()) return kNone;
     joiner.finish(primitives.size() == 1 ? primitives[0].place() : gltf.place(), targetNames, slots.size(), warnings);

@@ -122,6 +122,11 @@ class NodeReader {
     GltfValue skins_;
 };
 
+/// What another node like it takes, with its place in a pose.
+double bytesOf(const Node &node) {
+    return sizeof(Node) + sizeof(GltfNode) + 2 * sizeof(DMat4) + static_cast<double>(node.name.size() + sizeof(float) * node.morphWeights.size());
+}
+
 /// EXT_mesh_gpu_instancing: the mesh of a node in several places. Each becomes a child of the node, which keeps no mesh of its own.
 void addInstances(const GltfSource &source, const GltfValue &gltf, Index parent, GltfFile &file) {
     const GltfValue attributes = gltf["extensions"]["EXT_mesh_gpu_instancing"]["attributes"];
@@ -142,6 +147,8 @@ void addInstances(const GltfSource &source, const GltfValue &gltf, Index parent,
     for (const std::string &name : attributes.keys())
         if (name != "TRANSLATION" && name != "ROTATION" && name != "SCALE") file.leftOut.add("instance attribute " + name);
     if (count == 0) return;
+    const Node &pattern = file.rig.nodes[parent];
+    source.budget.take(static_cast<double>(count) * bytesOf(pattern), gltf.place(), std::to_string(count) + " instances");
     for (std::size_t i = 0; i < count; ++i) {
         Node node;
         node.name = file.rig.nodes[parent].name + "." + std::to_string(i);
@@ -186,6 +193,7 @@ void readGltfNodes(const GltfSource &source, GltfFile &file, const std::vector<I
     for (const Index n : order) {
         file.attached.emplace_back();
         file.rig.nodes.push_back(reader.read(nodes[n], n, file.attached.back()));
+        source.budget.take(bytesOf(file.rig.nodes.back()), nodes[n].place(), "a node");
         if (parents[n] != kNone) file.rig.nodes.back().parent = nodeOf[parents[n]];
     }
     for (const Index n : order) addInstances(source, nodes[n], nodeOf[n], file);

@@ -108,6 +108,11 @@ std::vector<Index> triangleCorners(const GltfPrimitive &primitive, std::vector<I
     if (indices.size() < 3 || (isList && indices.size() % 3 != 0))
         primitive.gltf.fail(std::to_string(indices.size()) + (primitive.gltf.has("indices") ? " indices" : " vertices"),
                             isList ? "a multiple of three, at least three" : "at least three");
+    // Three arrays of the mesh hold its corners, and this one.
+    constexpr double kBytesPerTriangle = 3 * 4 * sizeof(Index) + 2 * sizeof(Index);
+    const std::size_t triangles = isList ? indices.size() / 3 : indices.size() - 2;
+    primitive.source.budget.take(kBytesPerTriangle * static_cast<double>(triangles), primitive.gltf.place(),
+                                 std::to_string(triangles) + " triangles");
     if (isList) return indices;
     std::vector<Index> corners;
     corners.reserve((indices.size() - 2) * 3);
@@ -196,6 +201,9 @@ std::vector<MorphTarget> readMorphs(const Vertices &vertices, const std::vector<
         for (const char *unused : {"TANGENT", "TEXCOORD_0", "TEXCOORD_1", "COLOR_0"})
             if (targets[t].has(unused)) primitive.leftOut.add("morph target " + std::string(unused));
         if (normal.present() && !hasNormals) primitive.leftOut.add("morph target NORMAL");
+        primitive.source.budget.take(sizeof(MorphTarget) + static_cast<double>(names[t].size()) +
+                                         (position.present() ? 0.0 : static_cast<double>(vertices.count()) * sizeof(Vec3)),
+                                     targets.place(), std::to_string(targets.size()) + " morph targets");
         MorphTarget morph;
         morph.name = names[t];
         if (position.present())

@@ -152,6 +152,13 @@ std::vector<unsigned char> decodeDataUri(std::string_view text) {
     return {decoded.begin(), decoded.end()};
 }
 
+/// 0 where it is none.
+std::size_t sizeOfFile(const std::string &gltfPath, const GltfValue &uri) {
+    std::error_code error;
+    const std::uintmax_t size = fs::file_size(pathOfUri(gltfPath, uri), error);
+    return error ? 0 : static_cast<std::size_t>(size);
+}
+
 } // namespace
 
 bool isDataUri(const GltfValue &uri) {
@@ -179,12 +186,13 @@ std::vector<unsigned char> readUri(const std::string &gltfPath, const GltfValue 
         return bytes;
     }
     const std::string path = pathOfUri(gltfPath, uri);
-    if (!fs::is_regular_file(path)) uri.fail(taut::quoted(uri.text()) + ", which is no file", "a file at " + path);
+    std::error_code error; // names that are too long, links in a circle
+    if (!fs::is_regular_file(path, error)) uri.fail(taut::quoted(uri.text()) + ", which is no file", "a file at " + path);
     const std::string bytes = readFileBytes(path);
     return {bytes.begin(), bytes.end()};
 }
 
-GltfSource openGltf(const std::string &path, Tally &leftOut, Warnings &warnings) {
+GltfSource openGltf(const std::string &path, Budget &budget, Tally &leftOut, Warnings &warnings) {
     const std::string bytes = readFileBytes(path);
     const bool binary = lowerExtension(path) == "glb" || std::string_view(bytes).substr(0, 4) == "glTF";
     Container container;
@@ -192,14 +200,16 @@ GltfSource openGltf(const std::string &path, Tally &leftOut, Warnings &warnings)
         container = openGlb(bytes, path, warnings);
     else
         container.json = std::string_view(bytes).substr(sizeOfByteOrderMark(bytes));
-    GltfSource source;
-    source.path = path;
-    source.fileBytes = bytes.size();
+    GltfSource source{path, {}, {}, {}, bytes.size(), budget};
+    budget.addInput(bytes.size());
     source.json = parseGltfJson(container.json, path, [&](std::size_t offset) { return locate(container, path, offset); });
     checkGltfJson(path, *source.json, leftOut);
     checkExtensions(source);
     const GltfValue buffers = source["buffers"];
     for (std::size_t i = 0; i < buffers.size(); ++i) {
+        const std::size_t inFile = buffers[i].has("uri") && !isDataUri(buffers[i]["uri"]) ? sizeOfFile(path, buffers[i]["uri"]) : 0;
+        budget.addInput(inFile);
+        budget.take(static_cast<double>(std::max(inFile, buffers[i]["uri"].text().size())), buffers[i].place(), "its bytes");
         source.buffers.push_back(readBuffer(path, buffers[i], i == 0, container));
         source.fileBytes += source.buffers.back().size();
         if (buffers[i].has("uri") && !isDataUri(buffers[i]["uri"])) source.bufferPaths.push_back(pathOfUri(path, buffers[i]["uri"]));

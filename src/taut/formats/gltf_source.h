@@ -19,14 +19,13 @@ struct GltfSource {
     std::vector<std::vector<unsigned char>> buffers;
     std::vector<std::string> bufferPaths; ///< of those that are files of their own
     std::size_t fileBytes = 0;            ///< of the file and its buffers
-    mutable std::size_t decodedBytes = 0; ///< by accessors so far, against decodedBudget
-    [[nodiscard]] std::size_t decodedBudget() const { return (std::size_t{1} << 30) + 64 * fileBytes; }
+    Budget &budget;                       ///< parts may be shared by any number of users: it is their sum that must fit
     [[nodiscard]] GltfValue operator[](std::string_view key) const { return GltfValue(path, json.get())[key]; }
 };
 
 /// Opens and checks everything that lies before the meaning: container, JSON, extensions, buffers. Tells of extensions and members
 /// that nothing reads.
-GltfSource openGltf(const std::string &path, Tally &leftOut, Warnings &warnings);
+GltfSource openGltf(const std::string &path, Budget &budget, Tally &leftOut, Warnings &warnings);
 
 /// The bytes that a URI stands for: of a data: URI of any type, else of a file beside the .gltf.
 std::vector<unsigned char> readUri(const std::string &gltfPath, const GltfValue &uri);

@@ -6,6 +6,7 @@
 #include <bit>
 #include <cstring>
 #include <filesystem>
+#include <limits>
 
 namespace taut {
 
@@ -114,11 +115,14 @@ void PointCacheReader::readMddHeader() {
 }
 
 void PointCacheReader::checkSize(std::uint64_t headerBytes) {
-    const std::uint64_t expected = headerBytes + 12 * std::uint64_t{info_.points} * info_.samples;
+    const std::string counts = std::to_string(info_.points) + " points and " + std::to_string(info_.samples) + " samples";
+    const std::uint64_t positions = std::uint64_t{info_.points} * info_.samples; // both below 2^31
+    if (positions > (std::numeric_limits<std::uint64_t>::max() - headerBytes) / 12)
+        failInput({path_, 0, 0, 0}, counts, "fewer points and samples, as many as a file can hold");
+    const std::uint64_t expected = headerBytes + 12 * positions;
     if (size_ != expected)
         failInput({path_, 0, 0, static_cast<std::int64_t>(std::min(size_, expected))},
-                  "a file of " + std::to_string(size_) + " bytes with " + std::to_string(info_.points) + " points and " +
-                      std::to_string(info_.samples) + " samples",
+                  "a file of " + std::to_string(size_) + " bytes with " + counts,
                   std::to_string(expected) + " bytes");
     dataStart_ = headerBytes;
 }

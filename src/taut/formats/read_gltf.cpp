@@ -4,6 +4,7 @@
 #include "taut/formats/gltf_source.h"
 
 #include <algorithm>
+#include <optional>
 
 namespace taut {
 
@@ -21,10 +22,11 @@ std::string Tally::text() const {
     return text;
 }
 
-GltfFile readGltf(const std::string &path, Warnings &warnings) {
+GltfFile readGltf(const std::string &path, Warnings &warnings, Budget *budget) {
+    std::optional<Budget> own;
     GltfFile file;
     file.path = path;
-    const GltfSource source = openGltf(path, file.leftOut, warnings);
+    const GltfSource source = openGltf(path, budget != nullptr ? *budget : own.emplace(), file.leftOut, warnings);
     file.bufferPaths = source.bufferPaths;
     std::vector<Index> meshOf;
     std::vector<Index> nodeOf;

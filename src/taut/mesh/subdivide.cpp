@@ -308,6 +308,13 @@ Subdivision identity(const Mesh &cage) {
 
 } // namespace
 
+double subdivisionBytes(const Mesh &cage, int level) {
+    constexpr double kWeight = 16;        // of a row while it is made
+    constexpr double kRefinedCorner = 70; // of OpenSubdiv's topology of all levels and of the refined mesh
+    if (level <= 0) return 0;
+    return kWeight * predictedWeights(cage, level) + kRefinedCorner * static_cast<double>(cage.cornerCount()) * std::pow(4.0, level);
+}
+
 void applyStencils(const StencilTable &stencils, const std::vector<Vec3> &in, std::vector<Vec3> &out) {
     out.resize(stencils.rowCount());
     parallelFor(out.size(), kGrain, [&](std::size_t row) {

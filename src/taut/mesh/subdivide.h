@@ -57,6 +57,10 @@ inline constexpr int kMaxSubdivisionLevel = 5;
 /// The finest that there is: what the error of the other is measured against.
 inline constexpr int kReferenceLevel = kMaxSubdivisionLevel + 1;
 
+/// Bytes that subdivide() takes at most while it works, before it is asked; 0 at level 0. Quadratic in the corners of a face and the faces
+/// around a vertex, for so are the rows.
+double subdivisionBytes(const Mesh &cage, int level);
+
 /// Refines `cage` uniformly. Non-manifold edges and vertices are kept as infinitely sharp features. A crease or corner sharper
 /// than `level` counts as infinitely sharp from there on. UVs are refined face-varying, their island boundaries smoothly but for
 /// corners, where every corner has one; else they are left out. Normals are the limit surface's, one a smooth vertex, one for

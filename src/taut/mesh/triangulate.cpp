@@ -50,17 +50,26 @@ class CornerGrid {
         // What rounding may move a corner by is added to every box that is looked through.
         margin_ = 1e-5F * (upper_ - lower_);
         cells_.resize(static_cast<std::size_t>(side_) * static_cast<std::size_t>(side_));
-        for (Index i = 0; i < points.size(); ++i) cellOf(places_[i]).push_back(i);
+        for (Index i = 0; i < points.size(); ++i) {
+            std::vector<Index> &cell = cellOf(places_[i]);
+            slots_.push_back(static_cast<Index>(cell.size()));
+            cell.push_back(i);
+        }
     }
 
     void remove(Index corner) {
         std::vector<Index> &cell = cellOf(places_[corner]);
-        *std::find(cell.begin(), cell.end(), corner) = cell.back();
+        const Index last = cell.back();
+        cell[slots_[corner]] = last;
+        slots_[last] = slots_[corner];
         cell.pop_back();
     }
 
+    /// Corners and cells that were looked at.
+    [[nodiscard]] std::size_t steps() const { return steps_; }
+
     /// A corner in the cells around a triangle for which f holds; kNone where there is none.
-    template <class F> [[nodiscard]] Index find(const Index3 &triangle, const F &f) const {
+    template <class F> [[nodiscard]] Index find(const Index3 &triangle, const F &f) {
         const Vec2 &a = places_[triangle.x];
         const Vec2 &b = places_[triangle.y];
         const Vec2 &c = places_[triangle.z];
@@ -68,8 +77,11 @@ class CornerGrid {
         const glm::ivec2 last = cellAt(glm::max(glm::max(a, b), c) + margin_);
         for (int y = first.y; y <= last.y; ++y)
             for (int x = first.x; x <= last.x; ++x)
-                for (const Index corner : cells_[static_cast<std::size_t>(y * side_ + x)])
+                for (const Index corner : cells_[static_cast<std::size_t>(y * side_ + x)]) {
+                    ++steps_;
                     if (f(corner)) return corner;
+                }
+        steps_ += static_cast<std::size_t>(last.x - first.x + 1) * static_cast<std::size_t>(last.y - first.y + 1);
         return kNone;
     }
 
@@ -93,6 +105,8 @@ class CornerGrid {
     Vec2 margin_{0};
     int side_ = 1;
     std::vector<std::vector<Index>> cells_;
+    std::vector<Index> slots_; ///< [corners] place in their cells
+    std::size_t steps_ = 0;
 };
 
 /// Cuts ears off a polygon, the largest among the valid ones first, in n log n: ears stand in a heap; one with a corner inside waits
@@ -146,8 +160,11 @@ class EarClipper {
         if (area_[corner] > 0) ears_.push({area_[corner], corner});
     }
 
-    /// The largest valid ear; where none is valid (a self-crossing polygon) any will do.
+    /// The largest valid ear; where none is valid (a self-crossing polygon) any will do. A polygon that comes back to few places again
+    /// and again has all corners in each other's way: after so many steps ears are taken as they come.
     Index nextEar(Index any) {
+        constexpr std::size_t kMostSteps = 200'000'000;
+        const bool looks = grid_.steps() < kMostSteps;
         while (!ears_.empty()) {
             const auto [area, corner] = ears_.top();
             ears_.pop();
@@ -157,7 +174,7 @@ class EarClipper {
                 return other != before && other != corner && other != after &&
                        inside(points_[other], points_[before], points_[corner], points_[after], normal_);
             };
-            const Index blocking = grid_.find({before, corner, after}, blocks);
+            const Index blocking = looks ? grid_.find({before, corner, after}, blocks) : kNone;
             if (blocking == kNone) return corner;
             waiting_[blocking].push_back(corner);
         }

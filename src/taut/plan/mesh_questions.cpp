@@ -1,5 +1,6 @@
 #include "taut/plan/mesh_questions.h"
 
+#include "taut/scene/memory_estimate.h"
 #include "taut/scene/ranges.h"
 
 #include <algorithm>
@@ -110,16 +111,17 @@ AlphaRange deformedAlpha(const Material &material, const GradientField &field) {
     return range;
 }
 
-int mostLevel(const Object &object) {
+int mostLevel(const Scene &scene, const Object &object) {
     int level = 1;
     while (level < kMaxSubdivisionLevel && object.mesh->faceCount() << (2 * (static_cast<std::size_t>(level) + 1)) <= kMostFaces) ++level;
-    return level;
+    return levelWithin(scene.budget.get(), object, scene.render, level);
 }
 
 Question subdivisionQuestion(const Scene &scene, const Object &object, const RefinementError &probe, const PlanCosts &costs) {
     const float leastAlpha = leastRestAlpha(scene, object);
+    const int most = mostLevel(scene, object);
     Question q;
-    for (int level = 1; level <= mostLevel(object); ++level) {
+    for (int level = 1; level <= most; ++level) {
         const float scale = std::pow(4.0F, static_cast<float>(kProbeLevel - level));
         const float lobes = kViewFactor * kPeakFactor * scale * (probe.stretch + probe.normal / std::fmin(leastAlpha, 1.0F));
         q.choices.push_back({SubdivisionLevel{level},

@@ -23,7 +23,7 @@ AlphaRange deformedAlpha(const Material &material, const GradientField &field);
 /// Level at which refinement errors are measured; those of the others follow, at a factor of four a level.
 inline constexpr int kProbeLevel = 2;
 /// The finest level that a plan considers.
-int mostLevel(const Object &object);
+int mostLevel(const Scene &scene, const Object &object);
 /// Errors of normals, V and outline between the vertices of each level, from those at kProbeLevel.
 Question subdivisionQuestion(const Scene &scene, const Object &object, const RefinementError &probe, const PlanCosts &costs);
 

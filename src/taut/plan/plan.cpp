@@ -5,6 +5,7 @@
 #include "taut/plan/mesh_questions.h"
 #include "taut/plan/multiscatter_question.h"
 #include "taut/scene/check_scene.h"
+#include "taut/scene/memory_estimate.h"
 #include "taut/scene/ranges.h"
 
 #include <algorithm>
@@ -84,6 +85,9 @@ class Planner {
 
     void chooseLevel(std::size_t i, float &left) {
         MeshPlan &mesh = planned_.plan.meshes[i];
+        const Object &object = scene_.objects[i];
+        if (scene_.budget)
+            scene_.budget->require(objectBytes(object, scene_.render, kProbeLevel), "mesh " + quoted(object.name), "subdivision = \"auto\"");
         ObjectSurface &surface = surfaceAt(i, kProbeLevel);
         RefinementError probe;
         overFrames(surface, false, [&](std::size_t, bool) { probe.add(surface); });
@@ -91,6 +95,9 @@ class Planner {
         take(question, left);
         mesh.subdivisionLevel = question.answer<SubdivisionLevel>().level;
         mesh.questions.push_back(std::move(question));
+        if (scene_.budget)
+            scene_.budget->take(objectBytes(object, scene_.render, mesh.subdivisionLevel), "mesh " + quoted(object.name),
+                                "level " + std::to_string(mesh.subdivisionLevel));
         if (mesh.subdivisionLevel != kProbeLevel) surface = ObjectSurface();
     }
 
@@ -199,7 +206,7 @@ ScenePlan defaultPlan(const Scene &scene) {
 ScenePlan fullPlan(const Scene &scene) {
     ScenePlan plan = defaultPlan(scene);
     for (std::size_t i = 0; i < plan.meshes.size(); ++i)
-        if (scene.objects[i].planLevel) plan.meshes[i].subdivisionLevel = mostLevel(scene.objects[i]);
+        if (scene.objects[i].planLevel) plan.meshes[i].subdivisionLevel = mostLevel(scene, scene.objects[i]);
     for (MultiscatterPlan &material : plan.materials) material.model = Multiscatter::Walk;
     plan.bvh = BvhKind::Rebuild;
     return plan;

@@ -125,6 +125,8 @@ void AdaptiveBlocks::load(std::istream &in) {
     for (BlockNoise &noise : noise_) {
         std::array<double, 3> values{};
         read(values.data(), sizeof values);
+        const bool isNoise = std::isfinite(values[0]) && std::isfinite(values[1]) && values[2] >= 0 && values[2] <= most_;
+        if (!isNoise) throw InputError("saved frame: found a block's noise that is none, expected finite numbers");
         noise = {values[0], values[1], static_cast<int>(values[2])};
     }
     active_.resize(static_cast<std::size_t>(active));

@@ -12,7 +12,23 @@
 #include <embree4/rtcore.h>
 #endif
 
+#include <cmath>
+
 namespace taut {
+
+/// Whether Embree takes a ray: it ends the process at one that is not finite, or beyond some 1.8e18 (its FLT_LARGE), where debugging is
+/// compiled in as in Debian's. Not a number is in no range.
+inline bool isTraceable(const Ray &ray) {
+    const Vec3 o = glm::abs(ray.origin);
+    const Vec3 d = glm::abs(ray.direction);
+    return o.x + o.y + o.z + d.x + d.y + d.z < 1.8e18F && ray.nearest < 1.8e18F && !std::isnan(ray.farthest);
+}
+
+/// For shadow rays that Embree does not take: it meets nothing, and counts as blocked.
+inline const Ray &traceable(const Ray &ray) {
+    static const Ray inert{Vec3(0), 0, Vec3(0, 0, 1), -1, 0};
+    return isTraceable(ray) ? ray : inert;
+}
 
 /// Puts a ray into one lane of an RTCRay8 / RTCRay16; `id` is what filters know it by.
 template <class Lanes> void setRay(Lanes &rays, std::size_t lane, const Ray &ray, unsigned id = 0) {
@@ -75,7 +91,8 @@ inline void tracePacket(RTCScene scene, const int *valid, RTCRayHit16 &packet, b
 class ShadowRays { ///< a stream
   public:
     static constexpr std::size_t kMost = 256;
-    void set(std::size_t i, const Ray &ray, unsigned id = 0) {
+    void set(std::size_t i, const Ray &given, unsigned id = 0) {
+        const Ray &ray = traceable(given);
         rays_[i] = {ray.origin.x,
                     ray.origin.y,
                     ray.origin.z,
@@ -103,7 +120,7 @@ class ShadowRays { ///< a stream
 class ShadowRays { ///< a packet: Embree 4 has no streams
   public:
     static constexpr std::size_t kMost = 16;
-    void set(std::size_t i, const Ray &ray, unsigned id = 0) { setRay(rays_, i, ray, id); }
+    void set(std::size_t i, const Ray &ray, unsigned id = 0) { setRay(rays_, i, traceable(ray), id); }
     void trace(RTCScene scene, std::size_t count) {
         for (std::size_t i = 0; i < kMost; ++i) valid_[i] = i < count ? -1 : 0;
         RTCOccludedArguments arguments;

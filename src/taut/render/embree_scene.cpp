@@ -62,7 +62,7 @@ template <int N, class Packet> void intersectPacket(RTCScene scene, std::span<co
     const std::size_t count = std::min<std::size_t>(N, rays.size() - begin);
     for (std::size_t i = 0; i < N; ++i) {
         const Ray &ray = rays[begin + std::min(i, count - 1)];
-        valid[i] = i < count ? -1 : 0;
+        valid[i] = i < count && isTraceable(ray) ? -1 : 0; // what is not traced meets nothing
         setLane(packet, i, ray, static_cast<unsigned>(begin + i));
     }
     tracePacket(scene, valid.data(), packet, N == 16);

@@ -119,13 +119,21 @@ Index RenderScene::addInstance(const RenderObject &object) {
 void RenderScene::addPyramids(Index index) {
     if (index >= plan_.details.size() || plan_.details[index].detail != TextureDetail::Moments) return;
     const Material &material = scene_.materials[index];
+    const auto charge = [&](const Texture &texture, int channels) { // a pyramid is a third more than its widest level
+        if (scene_.budget)
+            scene_.budget->take(4.0 / 3 * sizeof(float) * channels * texture.width * texture.height, texture.name, "the pyramid of its moments");
+    };
     forEachTexture(material, [&](Index t) {
         Texture &texture = scene_.textures[t];
-        if (!texture.pyramid && !texture.sampler.nearest) texture.pyramid = colourPyramid(texture);
+        if (texture.pyramid || texture.sampler.nearest) return;
+        charge(texture, texture.channels);
+        texture.pyramid = colourPyramid(texture);
     });
-    for (const SlopeMap *map : {&material.slopes, &material.coatSlopes})
-        if (map->isGiven() && !scene_.textures[map->texture].slopes)
-            scene_.textures[map->texture].slopes = slopePyramid(scene_.textures[map->texture], map->kind);
+    for (const SlopeMap *map : {&material.slopes, &material.coatSlopes}) {
+        if (!map->isGiven() || scene_.textures[map->texture].slopes) continue;
+        charge(scene_.textures[map->texture], 5);
+        scene_.textures[map->texture].slopes = slopePyramid(scene_.textures[map->texture], map->kind);
+    }
 }
 
 /// Materials may have changed since the last frame.

@@ -24,6 +24,8 @@ using nlohmann::json;
 
 constexpr std::string_view kMagic = "taut saved frame 1\n";
 constexpr std::size_t kLongestHead = 1 << 24;
+constexpr int kMostParts = 1 << 20;
+constexpr int kMostPixels = 1 << 20; ///< a side
 /// Differences that an error tells of; the others are counted.
 constexpr std::size_t kTold = 3;
 /// Rows of pixels that are traced together: parts that begin with them are traced as the whole is.
@@ -80,6 +82,22 @@ SavedHead headFrom(const std::string &text) {
     return head;
 }
 
+/// Numbers that no frame has, before anything is reckoned with them.
+void checkHead(const SavedHead &head, const Location &where) {
+    const auto inRange = [&](const char *what, int value, int least, int most) {
+        if (value < least || value > most)
+            failInput(where, std::string(what) + ' ' + std::to_string(value), std::to_string(least) + " to " + std::to_string(most));
+    };
+    inRange("number of parts", head.part.count, 1, kMostParts);
+    inRange("part", head.part.index, 1, head.part.count);
+    inRange("width", head.width, 1, kMostPixels);
+    inRange("height", head.height, 1, kMostPixels);
+    inRange("left edge of the window", head.window.x0, 0, head.width);
+    inRange("upper edge of the window", head.window.y0, 0, head.height);
+    inRange("right edge of the window", head.window.x1, head.window.x0, head.width);
+    inRange("lower edge of the window", head.window.y1, head.window.y0, head.height);
+}
+
 /// From a stream that ends before the hash. `path`: for errors.
 SavedHead readHead(std::istream &in, const std::string &path) {
     const Location where{path, 0, 0, -1};
@@ -92,7 +110,9 @@ SavedHead readHead(std::istream &in, const std::string &path) {
         text += static_cast<char>(c);
     }
     try {
-        return headFrom(text);
+        SavedHead head = headFrom(text);
+        checkHead(head, where);
+        return head;
     } catch (const json::exception &) {
         failInput(where, "a head that can't be read", "what a saved frame says of itself");
     }

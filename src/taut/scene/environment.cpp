@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <optional>
 
 namespace taut {
 
@@ -70,8 +71,12 @@ Environment constantEnvironment(const Vec3 &radiance) {
     return e;
 }
 
-Environment readEnvironment(const std::string &path, double rotation, const Vec3 &scale, Warnings &warnings) {
-    const Texture image = readRadiance(path, warnings);
+Environment readEnvironment(const std::string &path, double rotation, const Vec3 &scale, Warnings &warnings, Budget *budget) {
+    std::optional<Budget> own;
+    Budget &account = budget != nullptr ? *budget : own.emplace();
+    const Texture image = readRadiance(path, warnings, &account);
+    constexpr double kTables = sizeof(Vec3) + sizeof(Environment::TableEntry) + sizeof(Index);
+    account.take(kTables * (static_cast<double>(image.width) + 1) * image.height, path, "a map of radiance");
     Environment e;
     e.width = image.width;
     e.height = image.height;

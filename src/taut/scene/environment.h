@@ -5,6 +5,7 @@
 /// u = 1/2 - atan2(w.y, w.x) / 2pi (left to right) and v = acos(w.z) / pi (top to bottom): the map's centre column looks
 /// along +x and its left half along +y, as in Blender.
 
+#include "taut/base/budget.h"
 #include "taut/base/error.h"
 #include "taut/base/instructions.h"
 #include "taut/base/lanes.h"
@@ -45,8 +46,9 @@ struct EnvironmentSample {
 Environment constantEnvironment(const Vec3 &radiance);
 
 /// Reads a map of radiance (readRadiance, which holds and counts single negative and not finite texels) and multiplies it by `scale`.
-/// Throws InputError where that leaves float's range.
-Environment readEnvironment(const std::string &path, double rotation, const Vec3 &scale, Warnings &warnings);
+/// Throws InputError where that leaves float's range, or `budget` has not the memory (null: one of its own).
+Environment readEnvironment(const std::string &path, double rotation, const Vec3 &scale, Warnings &warnings,
+                            Budget *budget = nullptr);
 
 /// The built-in studio: soft boxes over a dim gradient, made here by formula.
 Environment studioEnvironment();

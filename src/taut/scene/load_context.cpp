@@ -36,7 +36,7 @@ std::string filePath(LoadContext &context, const TomlValue &value) {
 std::shared_ptr<const GltfFile> gltfFile(LoadContext &context, const std::string &path) {
     auto &file = context.gltfFiles[fs::path(path).lexically_normal().string()];
     if (!file) {
-        file = std::make_shared<const GltfFile>(readGltf(path, context.warnings));
+        file = std::make_shared<const GltfFile>(readGltf(path, context.warnings, context.budget()));
         context.scene.files.push_back(summaryOf(*file));
         context.scene.inputs.insert(file->bufferPaths.begin(), file->bufferPaths.end());
         for (const GltfImage &image : file->images)
@@ -47,7 +47,12 @@ std::shared_ptr<const GltfFile> gltfFile(LoadContext &context, const std::string
 
 std::shared_ptr<const Mesh> meshFile(LoadContext &context, const std::string &path) {
     auto &mesh = context.meshes[path];
-    if (!mesh) mesh = std::make_shared<const Mesh>(readMesh(path, context.warnings));
+    if (!mesh) {
+        mesh = std::make_shared<const Mesh>(readMesh(path, context.warnings));
+        std::error_code error;
+        const std::uintmax_t size = fs::file_size(path, error);
+        if (!error) context.scene.budget->addInput(size);
+    }
     return mesh;
 }
 

@@ -25,6 +25,8 @@ struct UniqueNames {
 struct LoadContext {
     explicit LoadContext(Warnings &warnings_) : warnings(warnings_) {}
 
+    [[nodiscard]] Budget *budget() const { return scene.budget.get(); }
+
     Scene scene;
     Warnings &warnings;
     std::string folder;                       ///< relative paths start here
@@ -92,7 +94,7 @@ template <class Read> Index addTexture(LoadContext &context, const std::string &
 
 /// [[mesh]]: appends its objects.
 void loadMeshes(LoadContext &context, const TomlValue &section);
-std::vector<DeformerKeys> loadDeformers(const TomlValue &section);
+std::vector<DeformerKeys> loadDeformers(Budget &budget, const TomlValue &section);
 /// translate, rotate_deg and scale of a [[mesh]] or [camera], and `up` for files that may be y up.
 Placement loadPlacement(TableReader &table, bool yUpByDefault);
 

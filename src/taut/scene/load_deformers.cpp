@@ -47,7 +47,9 @@ void readOffset(const TomlValue &entry, DeformerKeys &keys) {
     keys.latticeOffsets[static_cast<std::size_t>(index)] = offset;
 }
 
-void readLattice(TableReader &table, DeformerKeys &keys) {
+constexpr double kPointBytes = 160; ///< of a control point: its keys and its place
+
+void readLattice(Budget &budget, TableReader &table, DeformerKeys &keys) {
     table.read("lower", keys.latticeLower, vec3In());
     table.read("upper", keys.latticeUpper, vec3In());
     failOn(table.where(), mistakeInLatticeBox(keys));
@@ -56,6 +58,7 @@ void readLattice(TableReader &table, DeformerKeys &keys) {
         for (std::size_t i = 0; i < 3; ++i) keys.latticePoints[i] = static_cast<int>(toInteger(counts[i], kLatticePoints));
     }
     const auto &n = keys.latticePoints;
+    budget.take(static_cast<double>(n[0]) * n[1] * n[2] * kPointBytes, table.where().text(), "a lattice");
     keys.latticeOffsets.assign(static_cast<std::size_t>(n[0]) * static_cast<std::size_t>(n[1]) * static_cast<std::size_t>(n[2]),
                                Keyed<DVec3>(DVec3(0)));
     const TomlValue *offsets = table.find("offsets");
@@ -72,7 +75,7 @@ void readWave(TableReader &table, DeformerKeys &keys) {
     table.read("phase_deg", keys.phase, keyedNumberIn(kDegrees, radians(1)));
 }
 
-DeformerKeys loadDeformer(const TomlValue &entry) {
+DeformerKeys loadDeformer(Budget &budget, const TomlValue &entry) {
     TableReader table(entry, "[[mesh.deform]]",
                       {"type", "centre", "factor", "plane", "amount", "axis", "towards", "direction", "range", "angle_deg", "amplitude",
                        "wavelength", "phase_deg", "lower", "upper", "points", "offsets"});
@@ -109,7 +112,7 @@ DeformerKeys loadDeformer(const TomlValue &entry) {
         table.read("amount", keys.amount, keyedNumberIn(kTaper));
         readRange(table, keys);
         break;
-    case DeformerType::Lattice: readLattice(table, keys); break;
+    case DeformerType::Lattice: readLattice(budget, table, keys); break;
     case DeformerType::Wave: readWave(table, keys); break;
     }
     table.finish();
@@ -118,10 +121,10 @@ DeformerKeys loadDeformer(const TomlValue &entry) {
 
 } // namespace
 
-std::vector<DeformerKeys> loadDeformers(const TomlValue &section) {
+std::vector<DeformerKeys> loadDeformers(Budget &budget, const TomlValue &section) {
     if (section.kind != TomlValue::Kind::Array) failInput(section.where, describe(section), "tables [[mesh.deform]]");
     std::vector<DeformerKeys> deformers;
-    for (const TomlValue &entry : section.items) deformers.push_back(loadDeformer(entry));
+    for (const TomlValue &entry : section.items) deformers.push_back(loadDeformer(budget, entry));
     return deformers;
 }
 

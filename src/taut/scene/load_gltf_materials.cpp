@@ -16,8 +16,10 @@ const std::optional<Texture> &imageOf(LoadContext &context, const GltfFile &file
     const GltfImage &image = file.images[number];
     const std::string name = file.path + ": images[" + std::to_string(number) + "]";
     try {
-        found->second = image.path.empty() ? readTextureFromMemory(name, image.bytes, space, context.warnings)
-                                              : readTexture(image.path, space, context.warnings);
+        found->second = image.path.empty() ? readTextureFromMemory(name, image.bytes, space, context.warnings, context.budget())
+                                              : readTexture(image.path, space, context.warnings, context.budget());
+    } catch (const LimitError &) { // the file's image is in order
+        throw;
     } catch (const InputError &error) {
         context.warnings.add(image.path.empty() ? error.what() : name + ": " + error.what());
     }

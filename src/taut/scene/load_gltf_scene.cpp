@@ -3,6 +3,8 @@
 
 #include "taut/scene/load_gltf.h"
 
+#include "taut/scene/memory_estimate.h"
+
 #include <algorithm>
 #include <array>
 
@@ -105,6 +107,13 @@ Index firstCameraNode(const GltfFile &file) {
 
 namespace {
 
+/// [nodes] how many there are from a root to each.
+std::vector<Index> depthsOf(const Rig &rig) {
+    std::vector<Index> depths;
+    for (const Node &node : rig.nodes) depths.push_back(node.parent == kNone ? 1 : depths[node.parent] + 1); // parents come first
+    return depths;
+}
+
 /// Materials and emission of an object's slots. `chosen`: the entry's `material`, may be null.
 void setSlots(LoadContext &context, const GltfFile &file, Index mesh, Index variant, const TomlValue *chosen, Object &object) {
     object.materials.clear();
@@ -136,11 +145,14 @@ void addGltfObjects(LoadContext &context, const Object &common, const std::share
     const bool smoothAsked = table.find("smooth") != nullptr;
     const std::string entryName = uniqueName(context.objectNames, common.name);
     const std::size_t before = context.scene.objects.size();
+    constexpr double kSecondsPerAncestor = 3e-6; // of all that asks what moves an object
+    const std::vector<Index> depths = depthsOf(file.rig);
     for (const Index nodeIndex : file.sceneNodes) {
         const Index mesh = file.attached[nodeIndex].mesh;
         if (mesh == kNone) continue;
         const Node &node = file.rig.nodes[nodeIndex];
         const std::string nodeName = node.name.empty() ? "node" + std::to_string(nodeIndex) : node.name;
+        context.budget()->work(kSecondsPerAncestor * depths[nodeIndex], file.path, "meshes of nodes within " + std::to_string(depths[nodeIndex]) + " others");
         Object object = common;
         object.name = uniqueName(context.objectNames, entryName + "/" + nodeName);
         object.mesh = {shared, &file.meshes[mesh]}; // keeps the file alive
@@ -148,6 +160,7 @@ void addGltfObjects(LoadContext &context, const Object &common, const std::share
         object.rig->node = nodeIndex;
         // glTF 2.0, section 3.7.2.1: without normals, faces are flat. Under subdivision the limit surface has normals of its own.
         if (!smoothAsked && file.flat[mesh] != 0) object.smooth = false;
+        chargeObject(*context.budget(), object, context.scene.render);
         setSlots(context, file, mesh, variant, material, object);
         context.scene.objects.push_back(std::move(object));
     }

@@ -50,7 +50,7 @@ TextureUse loadTexture(LoadContext &context, const TomlValue &value, ColorSpace 
                             formatNumber(tile.x) + "|" + formatNumber(tile.y) +
                             (making.make != nullptr ? "|" + making.name + std::to_string(use.channel) : "");
     use.texture = addTexture(context, key, [&] {
-        Texture texture = readTexture(path, space, context.warnings);
+        Texture texture = readTexture(path, space, context.warnings, context.budget());
         if (!repeat) texture.sampler.wrapU = texture.sampler.wrapV = TextureWrap::Clamp;
         if (tile != DVec2(1)) setTextureTransform(texture.sampler, {0, 1 - static_cast<float>(tile.y)}, 0, Vec2(tile));
         return making.make != nullptr ? making.make(texture, use.channel) : texture;

@@ -6,10 +6,13 @@
 #include "taut/formats/point_files.h"
 #include "taut/formats/read_mesh.h"
 #include "taut/scene/load_context.h"
+#include "taut/scene/memory_estimate.h"
 
 #include <algorithm>
 #include <charconv>
 #include <filesystem>
+#include <unordered_map>
+#include <unordered_set>
 
 namespace taut {
 
@@ -66,12 +69,16 @@ std::vector<Index> slotMaterials(LoadContext &context, const Mesh &mesh, const s
     if (material == nullptr) return std::vector<Index>(count, defaultMaterial(context));
     if (material->kind != TomlValue::Kind::Table) return std::vector<Index>(count, namedMaterial(context, *material));
     const std::vector<std::string_view> slots(mesh.materialNames.begin(), mesh.materialNames.end());
+    const std::unordered_set<std::string_view> known(slots.begin(), slots.end());
+    std::unordered_map<std::string_view, const TomlValue *> given;
+    for (const TomlEntry &entry : material->entries) given.emplace(entry.key, &entry.value);
     if (slots.empty()) failInput(material->where, "a table of materials for a file that names none", "the name of one material");
     for (const TomlEntry &entry : material->entries)
-        if (std::find(slots.begin(), slots.end(), entry.key) == slots.end()) failUnknownName(entry.where, entry.key, slots);
+        if (!known.contains(entry.key)) failUnknownName(entry.where, entry.key, slots);
     std::vector<Index> materials;
     for (const std::string &slot : mesh.materialNames) {
-        const TomlValue *chosen = material->find(slot);
+        const auto found = given.find(slot);
+        const TomlValue *chosen = found != given.end() ? found->second : nullptr;
         if (chosen == nullptr)
             context.warnings.add("mesh " + quoted(name) + ": no material is given for " + quoted(slot) + "; the default is used");
         materials.push_back(chosen != nullptr ? namedMaterial(context, *chosen) : defaultMaterial(context));
@@ -134,6 +141,7 @@ void finishMesh(LoadContext &context, const TomlValue *material, const TomlValue
         failOn(scheme->where, mistake);
     }
     object.name = uniqueName(context.objectNames, object.name);
+    chargeObject(*context.budget(), object, context.scene.render);
     object.materials = slotMaterials(context, *object.mesh, object.name, material);
     context.scene.objects.push_back(std::move(object));
 }
@@ -144,6 +152,7 @@ void addGiven(LoadContext &context, TableReader &table, const GivenMesh &given, 
     table.finish();
     object.mesh = given.mesh;
     object.points = given.points;
+    context.scene.budget->addInput(sizeof(Vec3) * given.mesh->positions.size() + sizeof(Index) * given.mesh->cornerCount());
     finishMesh(context, material, scheme, "this mesh", std::move(object));
 }
 
@@ -203,7 +212,7 @@ void loadMeshes(LoadContext &context, const TomlValue &section) {
         table.read("smooth", object.smooth);
         table.read("follow", object.follow);
         table.read("rest", object.rest, toRest);
-        if (const TomlValue *deform = table.find("deform")) object.deformers = loadDeformers(*deform);
+        if (const TomlValue *deform = table.find("deform")) object.deformers = loadDeformers(*context.budget(), *deform);
         object.placement = loadPlacement(table, isGltfPath(file.text));
         if (given != context.given.end())
             addGiven(context, table, given->second, std::move(object));

@@ -6,6 +6,7 @@
 #include "taut/scene/check_scene.h"
 #include "taut/scene/emission_reach.h"
 #include "taut/scene/load_context.h"
+#include "taut/scene/memory_estimate.h"
 
 #include <algorithm>
 #include <cmath>
@@ -91,19 +92,20 @@ void setClipFrames(const TomlValue &asked, Scene &scene) {
 
 } // namespace
 
-Scene loadScene(const std::string &path, const std::vector<std::string> &overrides, Warnings &warnings) {
-    Scene scene = loadScene({readRoot(path), path, std::filesystem::path(path).parent_path().string(), {}}, overrides, warnings);
+Scene loadScene(const std::string &path, const std::vector<std::string> &overrides, Warnings &warnings, std::shared_ptr<Budget> budget) {
+    Scene scene = loadScene({readRoot(path), path, std::filesystem::path(path).parent_path().string(), {}}, overrides, warnings, std::move(budget));
     if (lowerExtension(path) == "toml") scene.inputs.insert(path);
     return scene;
 }
 
-Scene loadScene(SceneTree tree, const std::vector<std::string> &overrides, Warnings &warnings) {
+Scene loadScene(SceneTree tree, const std::vector<std::string> &overrides, Warnings &warnings, std::shared_ptr<Budget> budget) {
     for (const std::string &text : overrides) applyOverride(tree.root, text);
 
     LoadContext context(warnings);
     context.folder = std::move(tree.folder);
     context.given = std::move(tree.meshes);
     context.scene.path = tree.name;
+    context.scene.budget = budget ? std::move(budget) : std::make_shared<Budget>();
     TableReader table(tree.root, "with the sections of a scene", {"render", "camera", "environment", "light", "material", "mesh"});
     if (const TomlValue *section = table.find("render")) loadRender(context, *section);
     if (const TomlValue *section = table.find("material")) loadMaterials(context, *section);
@@ -116,6 +118,7 @@ Scene loadScene(SceneTree tree, const std::vector<std::string> &overrides, Warni
     for (const Object &object : context.scene.objects)
         if (object.subdivision.level > 0 && !object.mesh->storedM.empty())
             context.warnings.add("mesh " + quoted(object.name) + ": its stored M is left out under subdivision");
+    chargeScene(context.scene);
     warnOfTurnedNormals(context);
     setMapTangents(context.scene);
     check(context.scene);

@@ -16,7 +16,9 @@ namespace taut {
 /// is that [[mesh]]: its own camera and lights where it has them, else a framed camera and the built-in studio.
 /// Throws InputError for anything malformed: unknown keys (with the nearest valid one), wrong types, values out of range,
 /// missing files, in the TOML or in any file that it names.
-Scene loadScene(const std::string &path, const std::vector<std::string> &overrides, Warnings &warnings);
+/// What they ask for is counted together and must stay within `budget`, which goes on with the scene (null: the default one).
+Scene loadScene(const std::string &path, const std::vector<std::string> &overrides, Warnings &warnings,
+                std::shared_ptr<Budget> budget = nullptr);
 
 /// A mesh that a program brings along instead of a file.
 struct GivenMesh {
@@ -31,6 +33,6 @@ struct SceneTree {
     std::string folder;                      ///< relative paths start here
     std::map<std::string, GivenMesh> meshes; ///< by the text of `file`
 };
-Scene loadScene(SceneTree tree, const std::vector<std::string> &overrides, Warnings &warnings);
+Scene loadScene(SceneTree tree, const std::vector<std::string> &overrides, Warnings &warnings, std::shared_ptr<Budget> budget = nullptr);
 
 } // namespace taut

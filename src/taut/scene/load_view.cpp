@@ -76,7 +76,7 @@ void loadEnvironment(LoadContext &context, const TomlValue &section) {
     table.read("camera_visible", cameraVisible);
     Environment environment;
     if (const TomlValue *file = table.find("file")) {
-        environment = readEnvironment(filePath(context, *file), rotation, Vec3(scale), context.warnings);
+        environment = readEnvironment(filePath(context, *file), rotation, Vec3(scale), context.warnings, context.budget());
     } else if (const TomlValue *radiance = table.find("radiance")) {
         environment = constantEnvironment(Vec3(toTriple(*radiance, kNotNegative) * scale));
     } else {

@@ -5,6 +5,7 @@
 #include "taut/base/srgb.h"
 #include "taut/formats/raw_number.h"
 #include "taut/images/image_codec.h"
+#include "taut/scene/exr_guard.h"
 #include "taut/scene/image_channels.h"
 #include "taut/scene/jpeg_guard.h"
 #include "taut/scene/png_guard.h"
@@ -15,6 +16,7 @@
 #include <algorithm>
 #include <limits>
 #include <memory>
+#include <optional>
 
 namespace taut {
 
@@ -48,21 +50,22 @@ struct Format {
     std::string_view magic;
     const char *plugin; ///< OpenImageIO's name
     Encoding encoding;
+    AnnouncedSize (*size)(std::string_view);           ///< what its header says
     std::string (*damage)(std::string_view) = nullptr; ///< what its decoder does not tell us
 };
 /// Told apart by their first bytes, never by trying one decoder after the other.
 constexpr Format kFormats[] = {
-    {"\x89PNG"sv, "png", Encoding::Srgb, damageOfPng},
-    {"\xff\xd8\xff"sv, "jpeg", Encoding::Srgb, damageOfJpeg},
-    {"\x76\x2f\x31\x01"sv, "openexr", Encoding::Linear},
-    {"#?"sv, "hdr", Encoding::Linear},
-    {"II*\0"sv, "tiff", Encoding::SrgbOfEightBits, damageOfTiff},
-    {"MM\0*"sv, "tiff", Encoding::SrgbOfEightBits, damageOfTiff},
-    {"RIFF"sv, "webp", Encoding::Srgb},
-    {"BM"sv, "bmp", Encoding::Srgb, damageOfBmp},
+    {"\x89PNG"sv, "png", Encoding::Srgb, sizeOfPng, damageOfPng},
+    {"\xff\xd8\xff"sv, "jpeg", Encoding::Srgb, sizeOfJpeg, damageOfJpeg},
+    {"\x76\x2f\x31\x01"sv, "openexr", Encoding::Linear, sizeOfExr, damageOfExr},
+    {"#?"sv, "hdr", Encoding::Linear, sizeOfHdr},
+    {"II*\0"sv, "tiff", Encoding::SrgbOfEightBits, sizeOfTiff, damageOfTiff},
+    {"MM\0*"sv, "tiff", Encoding::SrgbOfEightBits, sizeOfTiff, damageOfTiff},
+    {"RIFF"sv, "webp", Encoding::Srgb, sizeOfWebp},
+    {"BM"sv, "bmp", Encoding::Srgb, sizeOfBmp, damageOfBmp},
 };
 /// Begins with no signature; its name, or the end of the file in version 2 (Truevision TGA, appendix C), says what it is.
-constexpr Format kTga{""sv, "targa", Encoding::Srgb};
+constexpr Format kTga{""sv, "targa", Encoding::Srgb, sizeOfTga};
 constexpr std::string_view kTgaEnd = "TRUEVISION-XFILE.\0"sv;
 
 const Format *formatOf(const std::string &name, std::string_view bytes) {
@@ -84,16 +87,27 @@ const Format *formatOf(const std::string &name, std::string_view bytes) {
 }
 
 /// `channels`: how many of them are held in memory.
-void checkSize(int width, int height, int channels, std::size_t fileBytes, const Location &where) {
+void checkSize(std::int64_t width, std::int64_t height, std::int64_t channels, std::size_t fileBytes, const Location &where) {
     const std::string found =
         std::to_string(width) + " x " + std::to_string(height) + " texels of " + std::to_string(channels) + " channels";
     if (width < 1 || height < 1 || channels < 1) failInput(where, found, "a flat image with texels");
-    const std::int64_t texels = std::int64_t{width} * height;
-    if (width > kMostTexelsPerSide || height > kMostTexelsPerSide || texels > kMostTexels || channels > 1024)
+    const std::int64_t texels = std::max(width, height) > kMostTexelsPerSide ? kMostTexels + 1 : width * height;
+    if (texels > kMostTexels || channels > 1024)
         failInput(where, found, "at most 32768 texels a side and 2^28 in all");
     const std::int64_t bytes = texels * channels * static_cast<std::int64_t>(sizeof(float));
     if (bytes > kTrustedBytes && bytes / kMostCompression > static_cast<std::int64_t>(fileBytes))
         failInput(where, found + " in " + std::to_string(fileBytes) + " bytes", "a file long enough to hold them");
+}
+
+/// Before a decoder looks: what the header says must be a size that we take, and fit into the budget with what the decoder needs. While
+/// a picture is read there are two copies of its values.
+void checkAnnounced(const Format &format, std::string_view bytes, const Location &where, const Budget &budget) {
+    const AnnouncedSize size = format.size(bytes);
+    if (size.width == 0 && size.height == 0) return;
+    checkSize(size.width, size.height, std::clamp<std::int64_t>(size.channels, 1, 4), bytes.size(), where);
+    const double values = static_cast<double>(size.width * size.height * std::clamp<std::int64_t>(size.channels, 3, 4));
+    budget.require(2 * sizeof(float) * values + size.decoder, where.text(),
+                   "an image of " + std::to_string(size.width) + " x " + std::to_string(size.height) + " texels");
 }
 
 /// A texture that is still being made.
@@ -231,8 +245,9 @@ void holdTexels(Pixels &texture, bool isRadiance, const Location &where, Warning
 
 /// What is done with a file's values.
 struct Use {
-    ColorSpace space = ColorSpace::Auto;
-    bool isRadiance = false;
+    ColorSpace space;
+    bool isRadiance;
+    Budget &budget;
 };
 
 Pixels decode(ImageDecoder &input, const Format &format, std::size_t fileBytes, const Use &use, const Location &where,
@@ -251,6 +266,9 @@ Pixels decode(ImageDecoder &input, const Format &format, std::size_t fileBytes, 
     if (isExr) checkSize(part.fullWidth, part.fullHeight, static_cast<int>(indices.size()), fileBytes, where);
     const Rectangle data{part.x, part.y, part.x + part.width, part.y + part.height};
     const Rectangle display = displayWindow(part, data, isExr, where, warnings);
+    use.budget.require(sizeof(float) * (static_cast<double>(part.width) * part.height * channelCount +
+                                        static_cast<double>(display.width()) * display.height() * static_cast<double>(indices.size())),
+                       where.text(), "its values");
     std::vector<float> values(static_cast<std::size_t>(part.width) * static_cast<std::size_t>(part.height) *
                               static_cast<std::size_t>(channelCount));
     input.read(picture.number, firstChannel, lastChannel + 1, values.data());
@@ -286,6 +304,7 @@ Texture decodeFile(const std::string &name, std::string_view bytes, const Use &u
     if (format == nullptr) failInput(where, bytes.empty() ? "an empty file" : "a file of another format", "a " + std::string(kFormatNames));
     if (format->damage != nullptr)
         if (const std::string damage = format->damage(bytes); !damage.empty()) failDecoding(where, damage);
+    checkAnnounced(*format, bytes, where, use.budget);
     Pixels texture = decodeWith(*format, bytes, use, where, warnings);
     if (format->plugin == "bmp"sv) ignoreZeroAlpha(texture);
     if (format->plugin == "webp"sv && texture.channels == 4) {
@@ -294,6 +313,7 @@ Texture decodeFile(const std::string &name, std::string_view bytes, const Use &u
         for (std::size_t i = 0; 4 * i < texture.texels.size() && channels * i + 2 < colours.texels.size(); ++i)
             std::copy_n(&colours.texels[channels * i], 3, &texture.texels[4 * i]);
     }
+    use.budget.take(sizeof(float) * static_cast<double>(texture.texels.size()), where.file, "its texels");
     Texture read;
     read.name = where.file;
     read.width = texture.width;
@@ -303,18 +323,27 @@ Texture decodeFile(const std::string &name, std::string_view bytes, const Use &u
     return read;
 }
 
+/// With the caller's budget, else one of its own.
+Texture decodeWithin(Budget *budget, const std::string &name, std::string_view bytes, ColorSpace space, bool isRadiance, Warnings &warnings) {
+    std::optional<Budget> own;
+    Budget &account = budget != nullptr ? *budget : own.emplace();
+    account.addInput(bytes.size());
+    return decodeFile(name, bytes, {space, isRadiance, account}, warnings);
+}
+
 } // namespace
 
-Texture readTextureFromMemory(const std::string &name, const std::vector<unsigned char> &bytes, ColorSpace space, Warnings &warnings) {
-    return decodeFile(name, {reinterpret_cast<const char *>(bytes.data()), bytes.size()}, {space, false}, warnings);
+Texture readTextureFromMemory(const std::string &name, const std::vector<unsigned char> &bytes, ColorSpace space, Warnings &warnings,
+                              Budget *budget) {
+    return decodeWithin(budget, name, {reinterpret_cast<const char *>(bytes.data()), bytes.size()}, space, false, warnings);
 }
 
-Texture readTexture(const std::string &path, ColorSpace space, Warnings &warnings) {
-    return decodeFile(path, readFileBytes(path), {space, false}, warnings);
+Texture readTexture(const std::string &path, ColorSpace space, Warnings &warnings, Budget *budget) {
+    return decodeWithin(budget, path, readFileBytes(path), space, false, warnings);
 }
 
-Texture readRadiance(const std::string &path, Warnings &warnings) {
-    return decodeFile(path, readFileBytes(path), {ColorSpace::Auto, true}, warnings);
+Texture readRadiance(const std::string &path, Warnings &warnings, Budget *budget) {
+    return decodeWithin(budget, path, readFileBytes(path), ColorSpace::Auto, true, warnings);
 }
 
 } // namespace taut

@@ -152,6 +152,7 @@ struct SceneFile {
 
 struct Scene {
     std::string path;
+    std::shared_ptr<Budget> budget; ///< what it may ask for; null: as much as it likes
     std::vector<SceneFile> files; ///< in the order of their reading
     std::set<std::string> inputs; ///< paths of all files that decide the picture: read already, or to be read at some frame
     RenderSettings render;

@@ -1,6 +1,7 @@
 #pragma once
 /// Textures: images read through OpenImageIO, held in memory as linear values, looked up as their samplers say.
 
+#include "taut/base/budget.h"
 #include "taut/base/error.h"
 #include "taut/base/vec.h"
 #include "taut/formats/texture_sampler.h"
@@ -70,14 +71,15 @@ struct UvPoint {
 /// is never decoded and colours are not multiplied by it. Of an OpenEXR file: the display window of the part with R, G and B. Values
 /// that are not finite are held (not a number at 0, infinite at the greatest finite value) and counted in a warning. Throws
 /// InputError (with OpenImageIO's reason) where it can't be read, ends early, is empty, larger than 32768 texels a side or 2^28 in
-/// all, or where more than a quarter of the texels would be held.
-Texture readTexture(const std::string &path, ColorSpace space, Warnings &warnings);
+/// all, or where more than a quarter of the texels would be held. `budget` is asked before a decoder is; null: one of its own.
+Texture readTexture(const std::string &path, ColorSpace space, Warnings &warnings, Budget *budget = nullptr);
 
 /// Reads an image file held in memory (glTF buffer views); `name` is used in errors.
-Texture readTextureFromMemory(const std::string &name, const std::vector<unsigned char> &bytes, ColorSpace space, Warnings &warnings);
+Texture readTextureFromMemory(const std::string &name, const std::vector<unsigned char> &bytes, ColorSpace space, Warnings &warnings,
+                              Budget *budget = nullptr);
 
 /// Reads a map of radiance: as readTexture with ColorSpace::Auto, and negative values are held at 0 and counted likewise.
-Texture readRadiance(const std::string &path, Warnings &warnings);
+Texture readRadiance(const std::string &path, Warnings &warnings, Budget *budget = nullptr);
 
 /// The texture at uv (v up: (0, 0) is the lower left corner), which its sampler moves and filters. Missing channels repeat the first
 /// (grey) and alpha is 1.
