@@ -296,7 +296,7 @@ TEST_CASE("URIs that no file system takes are bad input", "[budget]") {
     CHECK_THAT(refused("loop.bin"), Contains("which is no file"));
 }
 
-TEST_CASE("--max-memory raises the limit by hand", "[budget][cli]") {
+TEST_CASE("budget: --max-memory raises the limit by hand", "[budget][cli]") {
     writeFile("mesh.obj", quads(60));
     const std::string scene = writeFile("raised.toml", "[[mesh]]\nfile = \"mesh.obj\"\nsubdivision = 5\n");
     const CommandResult refused = runTaut({"render", "--check", "-q", scene});

@@ -62,7 +62,6 @@ TEST_CASE("compare: FLIP is zero for the same, symmetric, at most one and greate
     std::vector<float> edge = a;
     for (std::size_t i = 0; i < edge.size(); ++i)
         if (i / 3 % kSize >= kSize / 2) edge[i] += 0.05F;
-    CHECK(*std::max_element(edge.begin(), edge.end()) == *std::max_element(even.begin(), even.end()));
     const std::vector<float> ofEdge = chart::flip(edge, a, kSize, kSize);
     const std::vector<float> ofEven = chart::flip(even, a, kSize, kSize);
     CHECK(*std::max_element(ofEdge.begin(), ofEdge.end()) > *std::max_element(ofEven.begin(), ofEven.end()));

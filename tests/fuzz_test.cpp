@@ -6,7 +6,7 @@
 #include "taut/base/file_bytes.h"
 #include "taut/scene/png_guard.h"
 
-#include <catch2/catch.hpp>
+#include "catch.h"
 #include <nlohmann/json.hpp>
 
 #include <filesystem>

@@ -44,7 +44,7 @@ TEST_CASE("movie: mp4, webm and gif hold every frame, at the scene's rate and in
         if (name != "a.gif") CHECK(stream["r_frame_rate"] == "12/1"); // a GIF counts hundredths of seconds
         CHECK(stream["width"] == (name == "a.gif" ? 33 : 34)); // chroma of half the size wants even sides
         // The last picture comes back.
-        requireSuccess(runProgram({"ffmpeg", "-v", "error", "-y", "-i", place.path(name), "-vf", "select=eq(n\\,3),crop=33:16:0:0",
+        requireSuccess(runProgram({"ffmpeg", "-v", "error", "-y", "-i", place.path(name), "-vf", "select=eq(n\\,3),format=rgb24,crop=33:16:0:0",
                                    "-frames:v", "1", place.path("back.png")},
                                   60));
         const Image back = readImage(place.path("back.png"));

@@ -65,7 +65,7 @@ class CornerGrid {
         cell.pop_back();
     }
 
-    /// Corners and cells that were looked at.
+    /// Corners and cells that were looked at, and what it costs to look at all.
     [[nodiscard]] std::size_t steps() const { return steps_; }
 
     /// A corner in the cells around a triangle for which f holds; kNone where there is none.
@@ -75,6 +75,7 @@ class CornerGrid {
         const Vec2 &c = places_[triangle.z];
         const glm::ivec2 first = cellAt(glm::min(glm::min(a, b), c) - margin_);
         const glm::ivec2 last = cellAt(glm::max(glm::max(a, b), c) + margin_);
+        steps_ += kStepsOfLook;
         for (int y = first.y; y <= last.y; ++y)
             for (int x = first.x; x <= last.x; ++x)
                 for (const Index corner : cells_[static_cast<std::size_t>(y * side_ + x)]) {
@@ -98,6 +99,9 @@ class CornerGrid {
         const glm::ivec2 at = cellAt(place);
         return cells_[static_cast<std::size_t>(at.y * side_ + at.x)];
     }
+
+    /// An ear that is blocked at once still goes through the heap.
+    static constexpr std::size_t kStepsOfLook = 64;
 
     std::vector<Vec2> places_;
     Vec2 lower_{kInfinity};
@@ -163,8 +167,7 @@ class EarClipper {
     /// The largest valid ear; where none is valid (a self-crossing polygon) any will do. A polygon that comes back to few places again
     /// and again has all corners in each other's way: after so many steps ears are taken as they come.
     Index nextEar(Index any) {
-        constexpr std::size_t kMostSteps = 200'000'000;
-        const bool looks = grid_.steps() < kMostSteps;
+        const std::size_t mostSteps = 50'000'000 + 256 * points_.size(); // four looks at every corner, and some more
         while (!ears_.empty()) {
             const auto [area, corner] = ears_.top();
             ears_.pop();
@@ -174,7 +177,7 @@ class EarClipper {
                 return other != before && other != corner && other != after &&
                        inside(points_[other], points_[before], points_[corner], points_[after], normal_);
             };
-            const Index blocking = looks ? grid_.find({before, corner, after}, blocks) : kNone;
+            const Index blocking = grid_.steps() < mostSteps ? grid_.find({before, corner, after}, blocks) : kNone;
             if (blocking == kNone) return corner;
             waiting_[blocking].push_back(corner);
         }
