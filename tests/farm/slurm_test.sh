@@ -98,7 +98,7 @@ cat > scene.toml << END
 [render]
 width = 160
 height = 120
-spp = 300
+spp = 900
 frames = "1-24"
 shutter = 0.5
 [camera]
@@ -127,8 +127,8 @@ one='--frames 12 --spp 3000 --aov m,depth'
 "$taut" farm scene.toml --slurm -o farm_one --image out/one.exr --shards 8 --checkpoint 1s $one || fail "taut farm --shards"
 for folder in farm farm_one; do ./$folder/submit.sh || fail "submit.sh"; done
 
-# When something is done and the second node is at work, it is gone, and what ran on it.
-await 200 '[ "$(ls out 2> /dev/null | grep -c "exr$")" -ge 3 ] && [ -n "$(squeue -h -t running -w n2)" ]' || fail "nothing is done"
+# When something is done and the second node is in the middle of a task, it is gone, and what ran on it.
+await 300 '[ "$(ls out 2> /dev/null | grep -c "exr$")" -ge 3 ] && squeue -h -t running -w n2 -o %M | grep -qv "^0:00$"' || fail "nothing is done"
 squeue -h -t running -w n2
 victims=$(pgrep -f "slurmstepd: .*" | tr '\n' ' ')
 kill -9 $n2
