@@ -4,6 +4,8 @@
 #include "commands.h"
 #include "interruption.h"
 
+#include "taut/images/image_codec.h"
+
 #include <algorithm>
 #include <cstdio>
 #include <exception>
@@ -58,8 +60,9 @@ void taut::app::printWarnings(const Warnings &warnings) {
     for (const std::string &line : warnings.lines) std::cerr << "taut: warning: " << line << std::endl;
 }
 
-int main(int argc, char **argv) {
-    taut::app::endCleanlyWhenStopped();
+namespace {
+
+int runCommand(int argc, char **argv) {
     CLI::App app("Renders deforming meshes whose gloss follows the deformation.", "taut");
     app.set_version_flag("--version", "taut " TAUT_VERSION);
     app.require_subcommand(0, 1); // none at all is told below, so that an unknown one is named
@@ -96,4 +99,13 @@ int main(int argc, char **argv) {
     } catch (const std::exception &error) {
         return fail(kFailed, error.what());
     }
+}
+
+} // namespace
+
+int main(int argc, char **argv) {
+    taut::app::endCleanlyWhenStopped();
+    const int code = runCommand(argc, argv);
+    taut::awaitImageCodec();
+    return code;
 }

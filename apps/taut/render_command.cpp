@@ -160,7 +160,7 @@ int render(RenderArguments &arguments) {
     const std::vector<std::string_view> aovNames(arguments.aovs.begin(), arguments.aovs.end());
     const std::vector<Aov> aovs = aovsNamed(aovNames, "--aov");
     Scene loaded = sceneOf(arguments);
-    if (!arguments.check) preloadImageCodec();
+    if (!arguments.check && arguments.shard.empty()) preloadImageCodec(); // a shard may end in no image
     const RenderSettings render = loaded.render;
     FrameOptions options = optionsOf(arguments, render);
     options.aovs = aovs;

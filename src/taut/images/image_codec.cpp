@@ -5,6 +5,7 @@
 #include <dlfcn.h>
 
 #include <filesystem>
+#include <mutex>
 #include <thread>
 
 namespace taut {
@@ -55,6 +56,11 @@ const ImageCodec &load() {
     return reinterpret_cast<const ImageCodec &(*)()>(entry)();
 }
 
+std::jthread &preloading() {
+    static std::jthread thread;
+    return thread;
+}
+
 } // namespace
 
 const ImageCodec &imageCodec() {
@@ -63,12 +69,19 @@ const ImageCodec &imageCodec() {
 }
 
 void preloadImageCodec() {
-    static const std::jthread loading([] { // a program that ends before waits for it: its module is not torn down half loaded
-        try {
-            imageCodec();
-        } catch (const std::exception &) { // said again where an image is asked for
-        }
+    static std::once_flag once;
+    std::call_once(once, [] {
+        preloading() = std::jthread([] {
+            try {
+                imageCodec();
+            } catch (const std::exception &) { // said again where an image is asked for
+            }
+        });
     });
+}
+
+void awaitImageCodec() {
+    if (preloading().joinable()) preloading().join();
 }
 
 } // namespace taut

@@ -71,5 +71,8 @@ const ImageCodec &imageCodec();
 
 /// Begins to load the module in a thread of its own, so that it is there when the first image is written. Errors wait for imageCodec().
 void preloadImageCodec();
+/// Waits for what that began; for the end of a program. The libraries behind the module leave handlers for the exit, which must not run
+/// while others of them are being loaded.
+void awaitImageCodec();
 
 } // namespace taut
