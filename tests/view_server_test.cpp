@@ -117,7 +117,7 @@ TEST_CASE("view: it ends by a signal and when the page says so; with its token f
     checkUsageError(runTaut({"view", place.scene, "--no-open", "--token-file", tokens}), "16 to 128 hexadecimal digits");
 }
 
-TEST_CASE("view: a hundred thousand malformed requests are refused, and the picture goes on", "[view][cli][.slow]") {
+TEST_CASE("view: a hundred thousand malformed requests are refused, and the picture goes on", "[view][cli]") {
     const Workplace place("view_malformed");
     const ViewServer server({place.scene});
     const std::string good = "POST /" + server.token + "/change HTTP/1.1\r\nHost: " + server.host() +

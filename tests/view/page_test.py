@@ -10,6 +10,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import time
 import urllib.request
 
 import webdriver
@@ -46,7 +47,6 @@ type = "shear"
 plane = "xy"
 amount = [[1, 0.0], [3, 1.2]]
 """
-DONE = "const d = document.getElementById('picture').dataset; return d.done === 'true' && d.frame === arguments[0]"
 PIXELS = """const canvas = document.getElementById('picture');
 const gl = canvas.getContext('webgl2');
 const bytes = new Uint8Array(4 * canvas.width * canvas.height);
@@ -83,17 +83,16 @@ class Test:
         self.port = self.server.url.split("/")[2].split(":")[1]
 
     def settled(self, frame=1):
-        """Waits until the picture is that of the newest change, and whole."""
-        self.browser.until("return !document.querySelector('[id=play][aria-pressed=true]')")
-        state = self.server.get("state")
-        for _ in range(100):
-            newest = self.server.get("state")
-            if newest["version"] == state["version"] and newest["status"]["done"]:
-                break
-            state = newest
-            self.browser.run("return new Promise((r) => setTimeout(r, 100))")
-        version = self.server.get("state")["version"]
-        self.browser.until(f"const d = document.getElementById('picture').dataset; return d.done === 'true' && d.frame === '{frame}' && d.version == {version}")
+        """Waits until the picture is that of the newest change, whole, and nothing comes after it for a while."""
+        end = time.monotonic() + 90
+        while time.monotonic() < end:
+            before = self.server.get("state")["version"]
+            time.sleep(0.6) # longer than the page waits for a hand to rest
+            seen = self.browser.run("return {...document.getElementById('picture').dataset}")
+            if seen["done"] == "true" and int(seen["version"]) == before == self.server.get("state")["version"]:
+                assert int(seen["frame"]) == frame, seen
+                return
+        raise AssertionError(f"no whole picture: {seen}, version {before}")
 
     def pixels(self):
         """Of the canvas: width, height, rows of RGB from the top."""
@@ -192,7 +191,7 @@ class Test:
                 self.check_same(seen, fixed, 0.52, 1)
                 break
             except AssertionError:
-                self.browser.run("return new Promise((r) => setTimeout(r, 100))")
+                time.sleep(0.1)
         self.check_same(seen, fixed, 0.52, 1)
         self.check_same(seen, follows, 0, 0.48)
         self.browser.screenshot(f"{self.folder}/wipe.png")
@@ -237,7 +236,7 @@ class Test:
             if not self.server.get("state")["changes"]:
                 break
             self.browser.run("document.getElementById('undo').click()")
-            self.browser.run("return new Promise((r) => setTimeout(r, 200))")
+            time.sleep(0.2)
         assert self.server.get("state")["changes"] == []
         self.settled(3)
         self.check_same(self.pixels()[2], self.rendered(self.scene, frame=3))
@@ -289,7 +288,7 @@ class Test:
         for _ in range(100):
             if self.server.get("state")["changes"] == changes:
                 break
-            self.browser.run("return new Promise((r) => setTimeout(r, 100))")
+            time.sleep(0.1)
         assert self.server.get("state")["changes"] == changes, "what was changed is there again"
         self.browser.run("document.getElementById('saving').open = true")
         self.browser.click("#quit")

@@ -16,6 +16,7 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr int kLobeWidth = 96;
+constexpr DVec2 kBeside(0.011, 0.017); // pixels
 
 /// The double of the fewest digits that name this float.
 double digits(float x) {
@@ -129,9 +130,13 @@ Json planOf(const RenderScene &scene, const RenderObject &object, Index material
 
 nlohmann::json inspectPixel(const RenderScene &scene, double x, double y) {
     const Eye eye(scene);
-    const Ray ray = eye.ray(x, y);
+    Ray ray = eye.ray(x, y);
     Hit hit;
     scene.embree().intersect({&ray, 1}, false, {&hit, 1});
+    if (hit.geometry == kNone) { // a ray along an edge may pass between two triangles
+        ray = eye.ray(x + kBeside.x, y + kBeside.y);
+        scene.embree().intersect({&ray, 1}, false, {&hit, 1});
+    }
     if (hit.geometry == kNone) return nullptr;
     const Index index = scene.objectOfGeometry(hit.geometry);
     const RenderObject &object = scene.objects()[index];

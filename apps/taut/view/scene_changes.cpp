@@ -127,9 +127,34 @@ std::vector<std::string> SceneChanges::overrides() const {
     return joined(arguments_.overrides, changed_);
 }
 
+/// The TOML of a change; none: it takes the override back.
+std::optional<std::string> SceneChanges::textOf(const nlohmann::json &change, const std::string &key, const Overrides &so, int frame) const {
+    const auto text = change.find("text");
+    const auto value = change.find("value");
+    if (text == change.end() && value == change.end()) failInput({key}, "neither value nor text", "one of them");
+    const nlohmann::json &given = text != change.end() ? *text : *value;
+    if (given.is_null()) return std::nullopt;
+    if (text != change.end() && !given.is_string()) failInput({key}, given.type_name(), "a text");
+    std::string toml;
+    if (text != change.end()) {
+        toml = given.get<std::string>();
+    } else {
+        TomlValue made = tomlOf(given, key);
+        if (change.value("atFrame", false)) {
+            const TomlValue tree = treeWith(joined(arguments_.overrides, so));
+            made = withValueAt(findKey(tree, key), frame, std::move(made));
+        }
+        toml = tomlInline(made);
+    }
+    const auto isControl = [](unsigned char c) { return c < 0x20; };
+    if (std::any_of(toml.begin(), toml.end(), isControl)) failInput({key}, quoted(std::string_view(toml)), "one line");
+    if (toml.size() > kLongestText) failInput({key}, "a value of " + std::to_string(toml.size()) + " bytes", "a shorter one");
+    return toml;
+}
+
 nlohmann::json SceneChanges::apply(const nlohmann::json &changes, int frame) {
     if (!changes.is_array() || changes.size() > kMostChanges) failInput({"changes"}, changes.type_name(), "an array of changes");
-    std::vector<std::pair<std::string, std::string>> next = changed_;
+    Overrides next = changed_;
     nlohmann::json undo = nlohmann::json::array();
     Touched touched;
     for (const nlohmann::json &change : changes) {
@@ -137,44 +162,27 @@ nlohmann::json SceneChanges::apply(const nlohmann::json &changes, int frame) {
             failInput({"changes"}, "one without a key", "{\"key\": ..., \"value\": ...}");
         const std::string key = change["key"].get<std::string>();
         if (!isKey(key)) failInput({"changes"}, quoted(key), "a dotted key such as material.brushed.alpha");
+        const std::optional<std::string> text = textOf(change, key, next, frame);
         const auto known = std::find_if(next.begin(), next.end(), [&](const auto &entry) { return entry.first == key; });
-        nlohmann::json before = nlohmann::json::object();
-        before["key"] = key;
-        before["text"] = known != next.end() ? nlohmann::json(known->second) : nlohmann::json();
-        undo.insert(undo.begin(), std::move(before));
+        const std::optional<std::string> before = known != next.end() ? std::optional(known->second) : std::nullopt;
+        if (text == before) continue;
+        nlohmann::json back = nlohmann::json::object();
+        back["key"] = key;
+        back["text"] = before ? nlohmann::json(*before) : nlohmann::json();
+        undo.insert(undo.begin(), std::move(back));
         touched.add(key);
-        const auto text = change.find("text");
-        const auto value = change.find("value");
-        if (text == change.end() && value == change.end()) failInput({key}, "neither value nor text", "one of them");
-        if ((text != change.end() ? *text : *value).is_null()) {
-            if (known != next.end()) next.erase(known);
-            continue;
-        }
-        std::string toml;
-        if (text != change.end() && text->is_string()) {
-            toml = text->get<std::string>();
-        } else if (value != change.end()) {
-            TomlValue made = tomlOf(*value, key);
-            if (change.value("atFrame", false)) {
-                const TomlValue tree = treeWith(joined(arguments_.overrides, next));
-                made = withValueAt(findKey(tree, key), frame, std::move(made));
-            }
-            toml = tomlInline(made);
-        } else {
-            failInput({key}, text->type_name(), "a text");
-        }
-        if (std::any_of(toml.begin(), toml.end(), [](unsigned char c) { return c < 0x20; })) failInput({key}, quoted(std::string_view(toml)), "one line");
-        if (toml.size() > kLongestText) failInput({key}, "a value of " + std::to_string(toml.size()) + " bytes", "a shorter one");
-        if (known != next.end())
-            known->second = toml;
+        if (!text)
+            next.erase(known);
+        else if (before)
+            known->second = *text;
         else
-            next.emplace_back(key, toml);
+            next.emplace_back(key, *text);
     }
     if (next.size() > kMostChanges) failInput({"changes"}, std::to_string(next.size()) + " of them", "at most a thousand");
-    const std::vector<std::string> overrides = joined(arguments_.overrides, next);
+    const std::vector<std::string> all = joined(arguments_.overrides, next);
     Warnings warnings;
-    Scene scene = loadScene(arguments_.scene, overrides, warnings, *cache_, false);
-    tree_ = treeWith(overrides);
+    Scene scene = loadScene(arguments_.scene, all, warnings, *cache_, false);
+    tree_ = treeWith(all);
     scene_ = std::move(scene);
     changed_ = std::move(next);
     touched_ += touched;

@@ -15,6 +15,8 @@ namespace taut::app {
 
 class SceneChanges {
   public:
+    using Overrides = std::vector<std::pair<std::string, std::string>>; ///< key, TOML
+
     /// Reads the scene. Throws InputError.
     SceneChanges(SceneArguments arguments, Warnings &warnings);
 
@@ -35,18 +37,19 @@ class SceneChanges {
     /// All overrides, those of the command line first: KEY=TOML.
     [[nodiscard]] std::vector<std::string> overrides() const;
     /// The page's alone.
-    [[nodiscard]] const std::vector<std::pair<std::string, std::string>> &changed() const { return changed_; }
+    [[nodiscard]] const Overrides &changed() const { return changed_; }
     [[nodiscard]] const SceneArguments &arguments() const { return arguments_; }
 
     /// A scene file that renders the same picture, for the folder of the scene.
     [[nodiscard]] std::string sceneText() const;
 
   private:
+    [[nodiscard]] std::optional<std::string> textOf(const nlohmann::json &change, const std::string &key, const Overrides &so, int frame) const;
     [[nodiscard]] TomlValue treeWith(const std::vector<std::string> &overrides) const;
 
     SceneArguments arguments_;
     std::shared_ptr<SceneCache> cache_ = makeSceneCache();
-    std::vector<std::pair<std::string, std::string>> changed_;
+    Overrides changed_;
     Scene scene_;
     TomlValue tree_;
     Touched touched_;

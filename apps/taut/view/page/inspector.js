@@ -23,6 +23,8 @@ function rows(found) {
   return out;
 }
 
+const kThin = { 'vector-effect': 'non-scaling-stroke' }; // lines as thick as on the screen
+
 const svg = (name, attributes) => {
   const element = document.createElementNS('http://www.w3.org/2000/svg', name);
   for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value);
@@ -31,7 +33,7 @@ const svg = (name, attributes) => {
 
 function drawEllipse(overlay, at, size, found) {
   overlay.setAttribute('viewBox', `0 0 ${size.width} ${size.height}`);
-  const marks = [svg('circle', { cx: at.x, cy: at.y, r: 3, fill: '#fff', stroke: '#000' })];
+  const marks = [svg('circle', { cx: at.x, cy: at.y, r: 0.005 * size.height, fill: '#fff', stroke: '#000', ...kThin })];
   const reach = kEllipse * size.height;
   if (found?.gloss) {
     const { major, minor } = found.gloss.ellipse;
@@ -41,12 +43,12 @@ function drawEllipse(overlay, at, size, found) {
       points.push([0, 1].map((k) => (k ? at.y : at.x) + reach * (Math.cos(a) * major[k] + Math.sin(a) * minor[k])).map((v) => v.toFixed(2)));
     }
     for (const [color, width] of [['#000', 4], ['#fff', 2]])
-      marks.push(svg('polygon', { points: points.join(' '), fill: 'none', stroke: color, 'stroke-width': width }));
+      marks.push(svg('polygon', { points: points.join(' '), fill: 'none', stroke: color, 'stroke-width': width, ...kThin }));
   }
   if (found && found.stretch.max > 1.0005 * found.stretch.min) {
     const [x, y] = found.stretch.direction.map((v) => 1.4 * reach * v);
     for (const [color, width] of [['#000', 4], ['#ffd23d', 2]])
-      marks.push(svg('line', { x1: at.x - x, y1: at.y - y, x2: at.x + x, y2: at.y + y, stroke: color, 'stroke-width': width, 'stroke-dasharray': '6 4' }));
+      marks.push(svg('line', { x1: at.x - x, y1: at.y - y, x2: at.x + x, y2: at.y + y, stroke: color, 'stroke-width': width, 'stroke-dasharray': '6 4', ...kThin }));
   }
   overlay.replaceChildren(...marks);
 }

@@ -47,7 +47,8 @@ function draw() {
   display.look.falseColours = $('channel').value !== '' && left.channels > 4;
   if (display.look.falseColours) display.look.range = rangeOf(left, part);
   $('range').textContent = display.look.falseColours ? `dark blue ${display.look.range[0].toPrecision(3)}, yellow ${display.look.range[1].toPrecision(3)}` : '';
-  $('wipe').hidden = !two;
+  $('wipe').hidden = $('wipeLine').hidden = !two;
+  $('wipeLine').style.left = `${100 * display.look.wipe}%`;
   display.show(left, right, part);
 }
 
