@@ -254,3 +254,13 @@ TEST_CASE("view: a thousand edits in a row leave memory flat and show no older p
     CHECK(wholePicture(server, last).version == last);
     CHECK(residentMegabytes(server.process()) < 1.2 * early + 16);
 }
+
+TEST_CASE("view: what a scene may ask for is what it was when it was first read, however often it changes", "[view][cli]") {
+    const Arguments small{"-D", "render.width=48", "-D", "render.height=32", "-D", "render.spp=1", "--max-memory", "64m"};
+    Arguments arguments{std::string(TAUT_SOURCE_DIR) + "/apps/demo/rubber.toml"};
+    arguments.insert(arguments.end(), small.begin(), small.end());
+    const ViewServer server(arguments);
+    for (int i = 0; i < 60; ++i) change(server, {{"changes", Json::array({changeOf("render.max_events", i % 2), changeOf("camera", nullptr)})}});
+    const std::uint32_t last = change(server, {{"changes", Json::array({changeOf("render.max_events", 2)})}});
+    CHECK(wholePicture(server, last).version == last);
+}

@@ -274,7 +274,11 @@ class Test:
                 assert self.browser.run("return document.scrollingElement.scrollWidth") <= width
                 small = self.browser.run("return [...document.querySelectorAll('button')].filter((b) => b.offsetParent && b.getBoundingClientRect().height < 31).map((b) => b.id)")
                 assert not small, small
-                self.browser.screenshot(f"{self.folder}/{width}_{scheme}.png")
+                for place, top in (("top", 0), ("panel", 700)):
+                    self.browser.run("document.scrollingElement.scrollTop = arguments[0]", top)
+                    assert self.browser.run("return document.getElementById('picture').getBoundingClientRect().bottom") > 50, "in sight"
+                    self.browser.screenshot(f"{self.folder}/{width}_{scheme}_{place}.png")
+        self.browser.run("document.scrollingElement.scrollTop = 0")
         self.browser.devtools("Emulation.clearDeviceMetricsOverride")
 
     def survives(self):

@@ -112,6 +112,7 @@ SceneChanges::SceneChanges(SceneArguments arguments, Warnings &warnings) : argum
         if (arguments_.frames != "clip") parseFrameSet(arguments_.frames, {"--frames"});
         arguments_.overrides.push_back("render.frames=\"" + arguments_.frames + "\"");
     }
+    whole_ = loadScene(arguments_.scene, arguments_.overrides, warnings, *cache_, true, budgetOf(arguments_));
     scene_ = loadScene(arguments_.scene, arguments_.overrides, warnings, *cache_, false);
     tree_ = treeWith(arguments_.overrides);
     touched_.everything = true;
@@ -190,6 +191,8 @@ nlohmann::json SceneChanges::apply(const nlohmann::json &changes, int frame) {
 }
 
 Scene SceneChanges::load(const Touched &touched, bool follow) {
+    if (follow && whole_ && changed_.empty()) return *std::exchange(whole_, std::nullopt);
+    whole_.reset();
     std::vector<std::string> all = overrides();
     if (const TomlValue *meshes = follow ? nullptr : tree_.find("mesh"))
         for (std::size_t i = 0; i < meshes->items.size(); ++i) all.push_back("mesh." + std::to_string(i) + ".follow=false");

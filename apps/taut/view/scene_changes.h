@@ -26,7 +26,7 @@ class SceneChanges {
     nlohmann::json apply(const nlohmann::json &changes, int frame);
 
     /// The scene as it stands, without its environment but where `touched` wants it; `follow` false: roughness held fixed everywhere.
-    [[nodiscard]] Scene load(const Touched &touched, bool follow);
+    Scene load(const Touched &touched, bool follow);
     /// What apply() touched since the last call.
     Touched takeTouched() { return std::exchange(touched_, {}); }
 
@@ -50,6 +50,7 @@ class SceneChanges {
     SceneArguments arguments_;
     std::shared_ptr<SceneCache> cache_ = makeSceneCache();
     Overrides changed_;
+    std::optional<Scene> whole_; ///< as it was first read, with its environment, until somebody wants it
     Scene scene_;
     TomlValue tree_;
     Touched touched_;
