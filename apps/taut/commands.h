@@ -17,6 +17,7 @@ void addCompare(CLI::App &parent, Run &run);
 void addInfo(CLI::App &parent, Run &run);
 void addExport(CLI::App &parent, Run &run);
 void addProbe(CLI::App &parent, Run &run);
+void addView(CLI::App &parent, Run &run);
 void addChart(CLI::App &parent, Run &run);
 
 /// Prints each warning as one line on standard error.

@@ -2,6 +2,8 @@
 
 #include "taut/base/error.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <filesystem>
 #include <iostream>
@@ -99,6 +101,12 @@ void RunningFrame::tryCheckpoint() {
 FrameEnd runFrame(const RenderScene &scene, const FrameJob &job, const CheckpointOptions &options, Progress &progress,
                   const std::function<void(RunningFrame &)> &finish) {
     RunningFrame frame(scene, job, options, progress);
+    const std::string shownAs = fmt::format("{} {}", std::filesystem::path(scene.scene().path).filename().string(), progress.frame());
+    if (job.display != nullptr) {
+        const RenderSettings &render = scene.scene().render;
+        job.display->create(shownAs, render.width, render.height, frame.film().channelNames());
+    }
+    const DisplayFeed feed(job.display, shownAs, [&] { return frame.filmSoFar(); });
     const StopRequest request([&] { frame.stop(); });
     if (!frame.advance(request)) {
         const char *cause = request.signal() != nullptr ? request.signal() : "--time-limit";

@@ -3,6 +3,7 @@
 
 #include "interruption.h"
 #include "progress.h"
+#include "tev_display.h"
 
 #include "taut/render/saved_frame.h"
 
@@ -25,6 +26,7 @@ struct FrameJob {
     FrameOptions options;
     std::string checkpoint;          ///< its path
     std::function<SavedHead()> head; ///< whose frame this is; called when something is read or saved, for it may read all files
+    TevDisplay *display = nullptr;   ///< shows it while it goes on; null: nobody does
 };
 
 /// A frame on its way. Seconds, times and counts are those of all processes that worked on it.
@@ -40,6 +42,8 @@ class RunningFrame {
     void save(const std::string &path);
 
     [[nodiscard]] const Film &film() const { return frame_.filmAtRest(); }
+    /// From any thread, while it goes on too.
+    [[nodiscard]] Film filmSoFar() const { return frame_.film(); }
     [[nodiscard]] double share() const { return frame_.share(); }
     [[nodiscard]] double seconds() const;
     [[nodiscard]] StageTimes times() const;

@@ -17,8 +17,6 @@ std::string_view bvhOf(const RenderScene &ready) {
     return ready.refits() ? "refit, rebuilt where its rays would pay for it" : "built anew where something deforms";
 }
 
-namespace {
-
 nlohmann::json toJson(const Question &q) {
     nlohmann::json choices = nlohmann::json::array();
     for (const Choice &c : q.choices)
@@ -34,6 +32,8 @@ nlohmann::json toJson(const MeshPlan &plan) {
             {"interpolation", nameOf(plan.interpolation)},
             {"questions", questions}};
 }
+
+namespace {
 
 nlohmann::json toJson(const RenderObject &object, const GradientField &field) {
     const Surface &surface = object.surface;
@@ -66,7 +66,7 @@ nlohmann::json toJson(const RenderObject &object, const GradientField &field) {
             {"alpha", alpha},
             {"collapsed_vertices", field.collapsed},
             {"folded_triangles", field.folded},
-            {"plan", toJson(plan)},
+            {"plan", app::toJson(plan)},
             {"policies", policies}};
 }
 

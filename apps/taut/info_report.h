@@ -19,6 +19,9 @@ struct Report {
 };
 
 nlohmann::json toJson(const Report &report);
+/// A question with its choices and the one taken; and all that a plan says of one mesh.
+nlohmann::json toJson(const Question &q);
+nlohmann::json toJson(const MeshPlan &plan);
 
 /// What a policy for what has no right answer did, by its name (surface.h).
 std::array<std::pair<std::string_view, Index>, 5> policiesOf(const Surface &surface);

@@ -74,6 +74,7 @@ int runCommand(int argc, char **argv) {
     taut::app::addInfo(app, run);
     taut::app::addExport(app, run);
     taut::app::addProbe(app, run);
+    taut::app::addView(app, run);
     taut::app::addChart(app, run);
     try {
         checkSubcommand(app, argc, argv);

@@ -2,6 +2,7 @@
 
 #include "commands.h"
 #include "json_text.h"
+#include "lobe_picture.h"
 #include "probe_arguments.h"
 
 #include "study/microsurface/micro_geometry.h"
@@ -222,37 +223,10 @@ int lobe(const ProbeArguments &arguments) {
     if (!arguments.output.empty() && !isImagePath(arguments.output))
         failInput({"--output"}, quoted(arguments.output), "a name in .exr or .png");
     const Asked asked(arguments);
-    const Bsdf &bsdf = asked.bsdf;
     const Vec3 view = directionOf(arguments.theta, arguments.phi, "--theta");
-    const Vec3 wo = asked.toLocal(view);
-    const ScatteringPoint point(bsdf, wo);
-    const int width = arguments.width;
-    const int height = width / 2;
-    std::vector<float> values(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
-    const auto directionAt = [&](double column, double row) { // in pixels
-        return directionOf(180 * row / height, 360 * column / width, "lobe");
-    };
-    parallelFor(static_cast<std::size_t>(height), 1, [&](std::size_t row) {
-        for (int column = 0; column < width; ++column) {
-            const auto at = row * static_cast<std::size_t>(width) + static_cast<std::size_t>(column);
-            const std::uint32_t seed = hash(static_cast<std::uint32_t>(at), arguments.seed);
-            double sum = 0;
-            for (std::uint32_t i = 0; i < arguments.samples; ++i) {
-                const DVec2 offset(sobol2(i, seed));
-                const BsdfEval e =
-                    point.evaluate(asked.toLocal(directionAt(column + offset.x, static_cast<double>(row) + offset.y)), hash(i, seed));
-                sum += static_cast<double>(arguments.quantity == "pdf" ? e.pdf : e.fCos.x);
-            }
-            values[at] = static_cast<float>(sum / arguments.samples);
-        }
-    });
-    const auto peak = static_cast<std::size_t>(std::max_element(values.begin(), values.end()) - values.begin());
-    double integral = 0;
-    for (std::size_t i = 0; i < values.size(); ++i) {
-        const auto row = static_cast<double>(i / static_cast<std::size_t>(width));
-        const double band = std::cos(radians(180 * row / height)) - std::cos(radians(180 * (row + 1) / height));
-        integral += static_cast<double>(values[i]) * band * radians(360.0 / width);
-    }
+    const LobePicture picture =
+        lobePicture(asked.bsdf, asked.frame, {view, arguments.width, arguments.samples, arguments.seed, arguments.quantity == "pdf"});
+    const auto &[width, height, values, peak, integral] = picture;
     const auto columns = static_cast<std::size_t>(width);
     Json result = describe(asked, arguments, view);
     result["quantity"] = arguments.quantity;
@@ -260,7 +234,7 @@ int lobe(const ProbeArguments &arguments) {
     result["height"] = height;
     result["integral"] = integral;
     result["max"] = digits(values[peak]);
-    result["max_wi"] = array(directionAt(static_cast<double>(peak % columns) + 0.5, static_cast<double>(peak / columns) + 0.5));
+    result["max_wi"] = array(lobeDirection(static_cast<double>(peak % columns) + 0.5, static_cast<double>(peak / columns) + 0.5, width));
     if (!arguments.output.empty()) {
         const bool png = arguments.output.ends_with(".png");
         // PNG holds [0, 1] only: its greatest value becomes white unless a scale is asked for.

@@ -13,6 +13,7 @@ class Progress {
   public:
     Progress(ProgressStyle style, int frames);
     void startFrame(int frame);
+    [[nodiscard]] int frame() const { return frame_; } ///< that is under way
     void update(double shareOfFrame);
     void finishFrame(int frame, const std::string &output, double seconds);
     /// What happened to the frame in between: "resumed" from a file, "checkpoint" in one, "skipped" for one.

@@ -182,6 +182,7 @@ void addRenderArguments(CLI::App &command, RenderArguments &arguments) {
     command.add_flag("--check", arguments.check, "Read and check everything, evaluate every frame, render nothing");
     command.add_flag("-q,--quiet", arguments.quiet, "Print errors only");
     command.add_option("--progress", arguments.progress, "bar, plain, json or openjd (default: bar on a terminal, else plain)");
+    command.add_option("--display", arguments.display, "Show the picture on its way in a tev viewer at HOST:PORT (tev's own: 127.0.0.1:14158)");
     command.add_option("--stats", arguments.stats, "Write times, rays and memory to this JSON file");
 }
 

@@ -37,6 +37,7 @@ struct RenderArguments {
     bool check = false;
     bool quiet = false;
     std::string progress;
+    std::string display; ///< HOST:PORT of a viewer
     std::string stats;
 };
 

@@ -173,6 +173,8 @@ int render(RenderArguments &arguments) {
 
     PlannedScene planned = planFor(loaded, arguments.model);
     RenderScene ready(std::move(loaded), std::move(planned.plan), render.frames.size() > 1, std::move(planned.surfaces));
+    std::optional<TevDisplay> display;
+    if (!arguments.display.empty() && !arguments.check) display.emplace(arguments.display);
     FrameNames names(arguments, outputs, ready.scene(), options, shard);
     Progress progress(style, static_cast<int>(frames.size()));
     nlohmann::json statistics{{"scene", arguments.scene.scene}, {"version", TAUT_VERSION}, {"frames", nlohmann::json::array()}};
@@ -187,7 +189,7 @@ int render(RenderArguments &arguments) {
         StageTimes times;
         ready.setFrame(frame, times);
         if (arguments.check) continue;
-        FrameJob job{optionsOfPart(options, names.part(), render), names.checkpoint(frame), {}};
+        FrameJob job{optionsOfPart(options, names.part(), render), names.checkpoint(frame), {}, display ? &*display : nullptr};
         job.options.seed = frameSeed(render.seed, frame, render.fixedSeed);
         job.head = [&] { return names.head(frame, job.options.seed); };
         if (!begun && (checkpoints.interval || checkpoints.resume)) removeAbandonedFiles(fs::path(results.front()).parent_path().string());

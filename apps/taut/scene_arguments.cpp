@@ -38,6 +38,11 @@ void tellOfClip(const SceneArguments &arguments, const Scene &scene, Warnings &w
 
 } // namespace
 
+std::shared_ptr<Budget> budgetOf(const SceneArguments &arguments) {
+    if (arguments.maxMemory.empty()) return std::make_shared<Budget>();
+    return std::make_shared<Budget>(memorySize(arguments.maxMemory, "--max-memory"));
+}
+
 Scene loadScene(const SceneArguments &arguments, bool quiet) {
     Warnings warnings;
     std::vector<std::string> overrides = arguments.overrides;
@@ -45,9 +50,7 @@ Scene loadScene(const SceneArguments &arguments, bool quiet) {
         if (arguments.frames != "clip") parseFrameSet(arguments.frames, {"--frames"}); // its own error, before the scene's
         overrides.push_back("render.frames=\"" + arguments.frames + "\"");
     }
-    const auto budget = arguments.maxMemory.empty() ? std::make_shared<Budget>()
-                                                    : std::make_shared<Budget>(memorySize(arguments.maxMemory, "--max-memory"));
-    Scene scene = taut::loadScene(arguments.scene, overrides, warnings, budget);
+    Scene scene = taut::loadScene(arguments.scene, overrides, warnings, budgetOf(arguments));
     tellOfClip(arguments, scene, warnings);
     if (!quiet) printWarnings(warnings);
     return scene;

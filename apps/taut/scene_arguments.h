@@ -25,6 +25,9 @@ struct SceneArguments {
 /// Adds SCENE, -D, --frames, -t and --max-memory to a subcommand.
 void addSceneArguments(CLI::App &command, SceneArguments &arguments);
 
+/// What the scene may ask for. Throws InputError.
+std::shared_ptr<Budget> budgetOf(const SceneArguments &arguments);
+
 /// Reads the scene, applies --frames, prints warnings unless `quiet`.
 Scene loadScene(const SceneArguments &arguments, bool quiet);
 

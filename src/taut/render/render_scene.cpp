@@ -250,6 +250,44 @@ void RenderScene::setLight(Index light, Light value) {
     replace(scene_, entryOf(scene_.lights, light, "light"), std::move(value));
 }
 
+void RenderScene::setEnvironment(std::optional<Environment> value) {
+    replace(scene_, scene_.environment, std::move(value));
+}
+
+bool RenderScene::canMove(Index object, const std::vector<DeformerKeys> &deformers, const Placement &placement) const {
+    const Object &now = scene_.objects.at(object);
+    Object then = now;
+    then.deformers = deformers;
+    then.placement = placement;
+    return now.rest.bind && deforms(then) == deforms(now) &&
+           moves(then) == moves(now) && placementRest(placement) == placementRest(now.placement) &&
+           placement.worldFromUp == now.placement.worldFromUp;
+}
+
+void RenderScene::setMotion(Index object, std::vector<DeformerKeys> deformers, Placement placement) {
+    Object &entry = entryOf(scene_.objects, object, "object");
+    if (!canMove(object, deformers, placement))
+        throw InputError("object " + quoted(entry.name) + ": found a motion that changes its surface, expected a scene made anew");
+    replace(scene_, entry.deformers, std::move(deformers));
+    replace(scene_, entry.placement, std::move(placement));
+    changed_[object] = 1;
+}
+
+void RenderScene::setSize(int width, int height) {
+    scene_.render.width = std::max(1, width);
+    scene_.render.height = std::max(1, height);
+}
+
+void RenderScene::setMaterialPlans(std::vector<MultiscatterPlan> materials, std::vector<DetailPlan> details, float bearableWaste) {
+    if (materials.size() != scene_.materials.size() || details.size() != scene_.materials.size())
+        throw InputError("scene: found plans of " + std::to_string(materials.size()) + " materials, expected " +
+                         std::to_string(scene_.materials.size()));
+    plan_.materials = std::move(materials);
+    plan_.details = std::move(details);
+    plan_.bearableWaste = bearableWaste;
+    for (Index m = 0; m < scene_.materials.size(); ++m) addPyramids(m);
+}
+
 void RenderScene::setPoints(Index object, std::shared_ptr<const PointSource> points) {
     Object &entry = entryOf(scene_.objects, object, "object");
     if (objects_[object].rigid)

@@ -62,6 +62,15 @@ class RenderScene {
     /// The plan's choice for the old material is dropped: each hit chooses by its M.
     void setMaterial(Index material, Material value);
     void setLight(Index light, Light value);
+    void setEnvironment(std::optional<Environment> value);
+    /// What moves an object, where its surface and its rest stay what they are (canMove).
+    void setMotion(Index object, std::vector<DeformerKeys> deformers, Placement placement);
+    /// Whether setMotion() can: it deforms, or not, as before, and its rest is the same.
+    [[nodiscard]] bool canMove(Index object, const std::vector<DeformerKeys> &deformers, const Placement &placement) const;
+    /// Pixels of the pictures to come; at least 1 each.
+    void setSize(int width, int height);
+    /// What a plan says of materials, one entry each; of meshes it stays what it was when this was made.
+    void setMaterialPlans(std::vector<MultiscatterPlan> materials, std::vector<DetailPlan> details, float bearableWaste);
     /// For an object that was made with a point source, a deformer or another motion that deforms; as many points as its mesh has.
     void setPoints(Index object, std::shared_ptr<const PointSource> points);
 

@@ -34,9 +34,9 @@ std::string filePath(LoadContext &context, const TomlValue &value) {
 }
 
 std::shared_ptr<const GltfFile> gltfFile(LoadContext &context, const std::string &path) {
-    auto &file = context.gltfFiles[fs::path(path).lexically_normal().string()];
-    if (!file) {
-        file = std::make_shared<const GltfFile>(readGltf(path, context.warnings, context.budget()));
+    auto &file = context.cache.gltfFiles[fs::path(path).lexically_normal().string()];
+    if (!file) file = std::make_shared<const GltfFile>(readGltf(path, context.warnings, context.budget()));
+    if (context.gltfFiles.insert(file.get()).second) {
         context.scene.files.push_back(summaryOf(*file));
         context.scene.inputs.insert(file->bufferPaths.begin(), file->bufferPaths.end());
         for (const GltfImage &image : file->images)
@@ -46,7 +46,7 @@ std::shared_ptr<const GltfFile> gltfFile(LoadContext &context, const std::string
 }
 
 std::shared_ptr<const Mesh> meshFile(LoadContext &context, const std::string &path) {
-    auto &mesh = context.meshes[path];
+    auto &mesh = context.cache.meshes[path];
     if (!mesh) {
         mesh = std::make_shared<const Mesh>(readMesh(path, context.warnings));
         std::error_code error;
@@ -54,6 +54,10 @@ std::shared_ptr<const Mesh> meshFile(LoadContext &context, const std::string &pa
         if (!error) context.scene.budget->addInput(size);
     }
     return mesh;
+}
+
+void countTexels(LoadContext &context, const Texture &texture) {
+    context.budget()->take(sizeof(float) * static_cast<double>(texture.texels.size()), texture.name, "its texels");
 }
 
 void failOn(const Location &where, const std::optional<Mistake> &mistake) {

@@ -22,23 +22,30 @@ struct UniqueNames {
     [[nodiscard]] auto end() const { return taken.end(); }
 };
 
+struct SceneCache {
+    std::map<std::string, std::shared_ptr<const GltfFile>> gltfFiles{};
+    std::map<std::string, std::shared_ptr<const Mesh>> meshes{};
+    std::map<std::string, Texture> textures{};                  ///< by path and decoding
+    std::map<std::string, std::optional<Texture>> gltfImages{}; ///< by file, number and decoding; none: it can't be read
+    std::optional<double> memory{};                             ///< bytes that the scene may ask for, by the files that were read
+};
+
 struct LoadContext {
-    explicit LoadContext(Warnings &warnings_) : warnings(warnings_) {}
+    LoadContext(Warnings &warnings_, SceneCache &cache_) : warnings(warnings_), cache(cache_) {}
 
     [[nodiscard]] Budget *budget() const { return scene.budget.get(); }
 
     Scene scene;
     Warnings &warnings;
+    SceneCache &cache;  ///< every file is read once
     std::string folder;                       ///< relative paths start here
     std::map<std::string, GivenMesh> given{}; ///< SceneTree::meshes
 
-    // Every file is read once.
-    std::map<std::string, std::shared_ptr<const GltfFile>> gltfFiles{};
-    std::map<std::string, std::shared_ptr<const Mesh>> meshes{};
+    std::set<const GltfFile *> gltfFiles{};   ///< that the scene has
+    std::set<std::string> gltfImages{};       ///< likewise, by their keys in the cache
     std::map<std::string, Index> textures{};  ///< by path and decoding
     std::map<std::string, Index> materials{}; ///< [material.NAME] by name
     std::map<std::pair<const GltfFile *, Index>, Index> gltfMaterials{};
-    std::map<std::string, std::optional<Texture>> gltfImages{}; ///< by file, number and decoding; none: it can't be read
     UniqueNames objectNames{};                                  ///< of objects, and of glTF entries, whose objects are named entry/node
     Index defaultMaterial = kNone;
     bool meshLights = false;              ///< [[light]] makes a mesh shine
@@ -82,11 +89,19 @@ Index namedMaterial(const LoadContext &context, const TomlValue &value);
 FloatParam toFloatParam(LoadContext &context, const TomlValue &value, const Range &range, double unit = 1, double textureScale = 1);
 /// A colour (three numbers or one grey) or texture.
 ColorParam toColorParam(LoadContext &context, const TomlValue &value, const Range &range);
+/// For a texture that another loading has read.
+void countTexels(LoadContext &context, const Texture &texture);
 /// Adds a texture, or finds it where it was added before. `key` tells decodings apart.
 template <class Read> Index addTexture(LoadContext &context, const std::string &key, const Read &read) {
     const auto found = context.textures.find(key);
     if (found != context.textures.end()) return found->second;
-    context.scene.textures.push_back(read());
+    const auto known = context.cache.textures.find(key);
+    if (known == context.cache.textures.end()) {
+        context.scene.textures.push_back(context.cache.textures.emplace(key, read()).first->second);
+    } else {
+        countTexels(context, known->second);
+        context.scene.textures.push_back(known->second);
+    }
     const Index index = static_cast<Index>(context.scene.textures.size() - 1);
     context.textures.emplace(key, index);
     return index;

@@ -11,7 +11,9 @@ namespace {
 /// An image of the file as texels; none where it can't be read, which is said once.
 const std::optional<Texture> &imageOf(LoadContext &context, const GltfFile &file, Index number, ColorSpace space) {
     const std::string key = file.path + "#" + std::to_string(number) + "|" + std::to_string(static_cast<int>(space));
-    const auto [found, isNew] = context.gltfImages.try_emplace(key);
+    const auto [found, isNew] = context.cache.gltfImages.try_emplace(key);
+    const bool isFirst = context.gltfImages.insert(key).second;
+    if (!isNew && isFirst && found->second) countTexels(context, *found->second);
     if (!isNew) return found->second;
     const GltfImage &image = file.images[number];
     const std::string name = file.path + ": images[" + std::to_string(number) + "]";

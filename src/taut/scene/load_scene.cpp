@@ -90,28 +90,25 @@ void setClipFrames(const TomlValue &asked, Scene &scene) {
     std::iota(scene.render.frames.begin(), scene.render.frames.end(), 1);
 }
 
-} // namespace
-
-Scene loadScene(const std::string &path, const std::vector<std::string> &overrides, Warnings &warnings, std::shared_ptr<Budget> budget) {
-    Scene scene = loadScene({readRoot(path), path, std::filesystem::path(path).parent_path().string(), {}}, overrides, warnings, std::move(budget));
-    if (lowerExtension(path) == "toml") scene.inputs.insert(path);
-    return scene;
-}
-
-Scene loadScene(SceneTree tree, const std::vector<std::string> &overrides, Warnings &warnings, std::shared_ptr<Budget> budget) {
+Scene load(SceneTree tree, const std::vector<std::string> &overrides, Warnings &warnings, SceneCache &cache, bool environment,
+           std::shared_ptr<Budget> budget) {
     for (const std::string &text : overrides) applyOverride(tree.root, text);
 
-    LoadContext context(warnings);
+    LoadContext context(warnings, cache);
     context.folder = std::move(tree.folder);
     context.given = std::move(tree.meshes);
     context.scene.path = tree.name;
-    context.scene.budget = budget ? std::move(budget) : std::make_shared<Budget>();
+    context.scene.budget = cache.memory ? std::make_shared<Budget>(*cache.memory) : budget ? std::move(budget) : std::make_shared<Budget>();
     TableReader table(tree.root, "with the sections of a scene", {"render", "camera", "environment", "light", "material", "mesh"});
     if (const TomlValue *section = table.find("render")) loadRender(context, *section);
     if (const TomlValue *section = table.find("material")) loadMaterials(context, *section);
     if (const TomlValue *section = table.find("mesh")) loadMeshes(context, *section);
     if (const TomlValue *section = table.find("light")) loadLights(context, *section);
-    if (const TomlValue *section = table.find("environment")) loadEnvironment(context, *section);
+    const TomlValue *sky = table.find("environment");
+    if (!environment)
+        context.scene.environment.emplace();
+    else if (sky != nullptr)
+        loadEnvironment(context, *sky);
     if (!isLit(context.scene, context.meshLights)) context.scene.environment = studioEnvironment();
     loadCamera(context, table.find("camera"), isGltfPath(tree.name) ? tree.name : "");
     if (context.wholeClip != nullptr) setClipFrames(*context.wholeClip, context.scene);
@@ -122,7 +119,36 @@ Scene loadScene(SceneTree tree, const std::vector<std::string> &overrides, Warni
     warnOfTurnedNormals(context);
     setMapTangents(context.scene);
     check(context.scene);
+    cache.memory = context.scene.budget->most();
     return std::move(context.scene);
+}
+
+} // namespace
+
+TomlValue sceneTree(const std::string &path) {
+    return readRoot(path);
+}
+
+std::shared_ptr<SceneCache> makeSceneCache() {
+    return std::make_shared<SceneCache>();
+}
+
+Scene loadScene(const std::string &path, const std::vector<std::string> &overrides, Warnings &warnings, SceneCache &cache,
+                bool environment, std::shared_ptr<Budget> budget) {
+    SceneTree tree{readRoot(path), path, std::filesystem::path(path).parent_path().string(), {}};
+    Scene scene = load(std::move(tree), overrides, warnings, cache, environment, std::move(budget));
+    if (lowerExtension(path) == "toml") scene.inputs.insert(path);
+    return scene;
+}
+
+Scene loadScene(const std::string &path, const std::vector<std::string> &overrides, Warnings &warnings, std::shared_ptr<Budget> budget) {
+    SceneCache cache;
+    return loadScene(path, overrides, warnings, cache, true, std::move(budget));
+}
+
+Scene loadScene(SceneTree tree, const std::vector<std::string> &overrides, Warnings &warnings, std::shared_ptr<Budget> budget) {
+    SceneCache cache;
+    return load(std::move(tree), overrides, warnings, cache, true, std::move(budget));
 }
 
 } // namespace taut

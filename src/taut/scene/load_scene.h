@@ -6,6 +6,7 @@
 #include "taut/scene/toml_value.h"
 
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,18 @@ namespace taut {
 /// What they ask for is counted together and must stay within `budget`, which goes on with the scene (null: the default one).
 Scene loadScene(const std::string &path, const std::vector<std::string> &overrides, Warnings &warnings,
                 std::shared_ptr<Budget> budget = nullptr);
+
+/// What has been read for a scene, kept for its next loading with other overrides: meshes, glTF files and textures are not read again,
+/// whatever became of their files, and what was said of them is not said again.
+struct SceneCache;
+std::shared_ptr<SceneCache> makeSceneCache();
+/// `environment` false: that of the scene is not looked at, a white one stands for it. `budget`: of the first loading with a cache, whose
+/// limit the others keep.
+Scene loadScene(const std::string &path, const std::vector<std::string> &overrides, Warnings &warnings, SceneCache &cache,
+                bool environment = true, std::shared_ptr<Budget> budget = nullptr);
+
+/// The tree of keys that a scene's path stands for: a scene file's, or that of one [[mesh]]. Throws InputError.
+TomlValue sceneTree(const std::string &path);
 
 /// A mesh that a program brings along instead of a file.
 struct GivenMesh {

@@ -1,0 +1,25 @@
+# Turns files into a C++ source that holds them: cmake -D OUTPUT=x.cpp -D HEADER=/path/view_page.h -D "FILES=a;b" -P TautEmbed.cmake.
+# The source defines pageFiles() of the header, in alphabetical order of the names.
+
+set(TYPES_html "text/html; charset=utf-8")
+set(TYPES_css "text/css; charset=utf-8")
+set(TYPES_js "text/javascript; charset=utf-8")
+set(TYPES_svg "image/svg+xml")
+
+set(source "#include \"${HEADER}\"\n\n#include <array>\n\nnamespace taut::app {\n\nnamespace {\n\n")
+set(rows "")
+set(count 0)
+list(SORT FILES)
+foreach(file ${FILES})
+    get_filename_component(name "${file}" NAME)
+    get_filename_component(extension "${file}" LAST_EXT)
+    string(SUBSTRING "${extension}" 1 -1 extension)
+    file(READ "${file}" hex HEX)
+    string(REGEX REPLACE "(................................)" "\\1\n" hex "${hex}")
+    string(REGEX REPLACE "([0-9a-f][0-9a-f])" "char(0x\\1)," hex "${hex}")
+    string(APPEND source "const char file${count}[] = {${hex}char(0)};\n")
+    string(APPEND rows "    PageFile{\"${name}\", \"${TYPES_${extension}}\", {file${count}, sizeof file${count} - 1}},\n")
+    math(EXPR count "${count} + 1")
+endforeach()
+string(APPEND source "\nconst std::array kFiles{\n${rows}};\n\n} // namespace\n\nstd::span<const PageFile> pageFiles() {\n    return kFiles;\n}\n\n} // namespace taut::app\n")
+file(WRITE "${OUTPUT}" "${source}")
