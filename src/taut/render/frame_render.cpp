@@ -50,11 +50,11 @@ Window windowOf(const FrameOptions &options, const RenderSettings &render) {
     return options.window.empty() ? Window{0, 0, render.width, render.height} : options.window;
 }
 
-/// The window, if the scene's budget has the memory for its film and the image made of it.
-Window affordable(const Scene &scene, const Window &window, const std::vector<Aov> &aovs) {
+/// The window, if the scene's budget has the memory for its film and the image made of it: of R, G, B and A, for what else is wanted is
+/// asked for by hand.
+Window affordable(const Scene &scene, const Window &window) {
     if (!scene.budget || window.empty()) return window;
-    std::size_t channels = 4;
-    for (const Aov aov : aovs) channels += infoOf(aov).channels.size();
+    constexpr std::size_t channels = 4;
     const double pixel = 2 * sizeof(std::uint32_t) + static_cast<double>(channels) * (sizeof(ExactSum) + sizeof(float));
     scene.budget->require(pixel * window.width() * window.height(), scene.path,
                           "a picture of " + std::to_string(window.width()) + " x " + std::to_string(window.height()) + " pixels of " +
@@ -76,7 +76,7 @@ void checkOptions(const FrameOptions &options, const RenderSettings &render) {
 
 struct FrameRender::State {
     State(const RenderScene &scene_, const FrameOptions &options_)
-        : options(options_), film(affordable(scene_.scene(), windowOf(options_, scene_.scene().render), options_.aovs), options_.aovs),
+        : options(options_), film(affordable(scene_.scene(), windowOf(options_, scene_.scene().render)), options_.aovs),
           materials(prepareMaterials(scene_.scene(), scene_.plan())), workers([&scene_, this] {
               const RenderSettings &render = scene_.scene().render;
               return Worker{PathTracer(scene_, materials,
