@@ -202,12 +202,48 @@ TEST_CASE("Parts of glTF files that are shared count each time", "[budget]") {
         b.json["nodes"] = nodes;
         CHECK_THAT(refused("chain.gltf"), Contains("within") && Contains(" s to prepare"));
     }
+    SECTION("a motion of many keys under a scale, of many nodes") {
+        // A rotation about the axis of the scale: every key has to be looked at.
+        constexpr int kKeys = 4000;
+        std::vector<float> times(kKeys);
+        std::vector<float> turns;
+        for (int i = 0; i < kKeys; ++i) {
+            times[static_cast<std::size_t>(i)] = static_cast<float>(i);
+            turns.insert(turns.end(), {0, std::sin(0.01F * static_cast<float>(i)), 0, std::cos(0.01F * static_cast<float>(i))});
+        }
+        b.json["meshes"] = {{{"primitives", {{{"attributes", {{"POSITION", b.addFloats("VEC3", {0, 0, 0, 1, 0, 0, 0, 1, 0})}}}}}}}};
+        nlohmann::json nodes = {{{"scale", {1, 2, 1}}, {"children", nlohmann::json::array()}}};
+        nlohmann::json channels = nlohmann::json::array();
+        for (int n = 1; n <= 1200; ++n) {
+            nodes.push_back({{"mesh", 0}});
+            nodes[0]["children"].push_back(n);
+            channels.push_back({{"sampler", 0}, {"target", {{"node", n}, {"path", "rotation"}}}});
+        }
+        b.json["nodes"] = nodes;
+        b.json["animations"] = {{{"samplers", {{{"input", b.addFloats("SCALAR", times)}, {"output", b.addFloats("VEC4", turns)}}}}, {"channels", channels}}};
+        CHECK_THAT(refused("keys.gltf"), Contains("placements of nodes") && Contains(" s to prepare"));
+    }
     SECTION("instances of a node with a long name") {
         std::vector<float> places(3 * 5000, 0.0F);
         b.json["meshes"] = {{{"primitives", {{{"attributes", {{"POSITION", accessor}}}}}}}};
         b.json["nodes"] = {{{"mesh", 0}, {"name", std::string(400000, 'n')}, {"extensions", {{"EXT_mesh_gpu_instancing", {{"attributes", {{"TRANSLATION", b.addFloats("VEC3", places)}}}}}}}}};
         CHECK_THAT(refused("instances.gltf"), Contains("5000 instances"));
     }
+}
+
+TEST_CASE("budget: what an export takes is counted", "[budget][export]") {
+    const std::string folder = freshFolder("export_many");
+    writeBytes(folder + "/quad.obj", quads(1));
+    const std::string meshes = many("mesh = [", "{file = \"quad.obj\"}", 20000, "]\n");
+    writeBytes(folder + "/many.toml", meshes);
+    for (const auto &[output, says] : {std::pair<std::string, std::string>{"all.csv", "20000 files, with which a frame takes"},
+                                       {"all.glb", "20000 meshes in a glTF file"}}) {
+        const CommandResult refused = runTaut({"export", folder + "/many.toml", "--frames", "1", "-o", folder + "/" + output, "--max-memory", "500m"});
+        INFO(refused.err);
+        CHECK(refused.exitCode == 2);
+        CHECK(errorLine(refused).find(says) != std::string::npos);
+    }
+    CHECK(namesIn(folder).size() == 2);
 }
 
 TEST_CASE("Images are measured by their headers before a decoder is asked", "[budget]") {

@@ -290,6 +290,20 @@ TEST_CASE("checkpoint: where none can be written it is said, and nothing whole i
     fs::remove_all(place.path("new"), error);
     CHECK(process.wait() == 0);
     CHECK(isSame(place, "new/a.exr", "whole.exr"));
+    // A folder that nobody may write into, for a user whom that stops.
+    fs::create_directory(place.path("locked"));
+    fs::permissions(place.path("locked"), fs::perms::owner_read | fs::perms::owner_exec | fs::perms::others_read | fs::perms::others_exec);
+    const std::string nobody = geteuid() == 0 ? "exec setpriv --reuid=65534 --regid=65534 --clear-groups " : "exec ";
+    const CommandResult probe = runShell(nobody + "\"$0\" --version", place.folder);
+    if (probe.exitCode != 0)
+        WARN("a read-only folder was not tried: no other user can run the command here");
+    else {
+        const CommandResult locked = runShell(nobody + "\"$0\" render plate.toml -o locked/a.exr --checkpoint 0.05 -q" + frame, place.folder);
+        CHECK(locked.exitCode == 1);
+        CHECK(errorLine(locked).find("locked/a.exr") != std::string::npos);
+        CHECK(namesIn(place.path("locked")).empty());
+    }
+    fs::permissions(place.path("locked"), fs::perms::owner_all);
     // A folder that can't be made is known before the frame is rendered.
     const CommandResult nowhere = runTaut(renderOf(place, "plate.toml/a.exr", {"--spp", "1000000"}));
     CHECK(nowhere.exitCode == 1);

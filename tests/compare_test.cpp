@@ -108,4 +108,10 @@ TEST_CASE("compare: the command", "[compare][cli]") {
                     "small.exr: found pixels 0,0 to 8,8, expected pixels 0,0 to 24,16");
     checkUsageError(runTaut({"compare", place.scene, place.path("b.exr")}), "plate.toml: found no readable image");
     checkUsageError(runTaut({"compare", place.path("a.exr"), place.path("none.exr")}), "none.exr");
+    // Headers are measured before a decoder allocates by them.
+    const std::string ihdr = std::string("IHDR\0\0\x40\0\0\0\x40\0\x10\6\0\0\1", 17);
+    writeBytes(place.path("large.png"), std::string("\x89PNG\r\n\x1a\n\0\0\0\r", 12) + ihdr + std::string(64, '\1'));
+    checkUsageError(runTaut({"compare", place.path("large.png"), place.path("b.exr")}), "large.png: found");
+    writeBytes(place.path("long.exr"), std::string("\x76\x2f\x31\1\2\0\0\0a\0b\0\xff\xff\xff\x7f", 16));
+    checkUsageError(runTaut({"compare", place.path("long.exr"), place.path("b.exr")}), "OpenEXR attribute of 2147483647 bytes");
 }

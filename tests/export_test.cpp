@@ -272,6 +272,24 @@ TEST_CASE("export: several objects, names and clips", "[export]") {
     CHECK(fs::exists(folder + "/one.ply"));
 }
 
+TEST_CASE("export: objects are not limited by the files that may be open", "[export]") {
+    const std::string folder = freshFolder("export_open_files");
+    writeScene(folder);
+    std::string scene = readBytes(folder + "/scene.toml");
+    for (int i = 0; i < 100; ++i) scene += "[[mesh]]\nfile = \"grid.obj\"\nmaterial = \"Lower\"\n";
+    writeBytes(folder + "/scene.toml", scene);
+    const CommandResult result = runShell("ulimit -Sn 64; exec \"$0\" export scene.toml --frames 1-3 -o all.usda -o p/all.pc2 -q", folder);
+    INFO(result.err);
+    REQUIRE(result.exitCode == 0);
+    CHECK(namesIn(folder + "/p").size() == 101);
+    // Samples of several frames, attributes and meshes come back from one spool: as from a file of one mesh.
+    REQUIRE(exportIn(folder, {"scene.toml", "--frames", "1-3", "-o", "one.usda", "-q", "--object", "grid"}).exitCode == 0);
+    const std::string all = readBytes(folder + "/all.usda");
+    const std::string one = readBytes(folder + "/one.usda");
+    const std::size_t begin = one.find("    def Mesh");
+    CHECK(all.find(one.substr(begin, one.rfind("}\n") - begin)) != std::string::npos);
+}
+
 TEST_CASE("export: bad input is one line and leaves nothing", "[export][malformed]") {
     const std::string folder = freshFolder("export_bad");
     writeScene(folder);

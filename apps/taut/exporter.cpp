@@ -108,6 +108,7 @@ class Exporter {
 
   private:
     void checkOutputs();
+    void chargeOutputs() const;
     void checkPaths();
     void open(Output &output);
     void write(Output &output, int frame);
@@ -149,12 +150,31 @@ Exporter::Exporter(const Scene &scene, const ExportRequest &arguments)
     for (const Object &object : scene.objects) {
         if (!isChosen(object)) continue;
         if (scene.budget && object.planLevel) // nobody plans: its level is taken as it is
-            scene.budget->take(objectBytes(object, scene.render, object.subdivision.level), "mesh " + quoted(object.name), "subdivision = \"auto\"");
+            scene.budget->take(objectBytes(object, scene.render, object.subdivision.level), "mesh " + quoted(object.name),
+                               "subdivision = \"auto\"");
         prepareGlossObject(scene, object, objects_.emplace_back());
     }
     if (objects_.empty()) failInput({scene.path}, "no mesh", "at least one to export");
     for (Output &output : outputs_) output.parts = partsOf(output, frames_, objects_);
+    chargeOutputs();
     checkPaths();
+}
+
+/// What writers need beside the meshes.
+void Exporter::chargeOutputs() const {
+    constexpr double kGltfObject = 12e3;   // bytes of JSON
+    constexpr double kGltfMaterial = 12e3; // of an object
+    constexpr double kFile = 3e-4;         // seconds to make and name one
+    if (!scene_.budget) return;
+    std::size_t materials = 0;
+    for (const GlossObject &object : objects_) materials += object.mesh.materials.size();
+    for (const Output &output : outputs_) {
+        if (output.info.format == Format::Gltf)
+            scene_.budget->require(kGltfObject * static_cast<double>(objects_.size()) + kGltfMaterial * static_cast<double>(materials),
+                                   output.pattern, std::to_string(objects_.size()) + " meshes in a glTF file");
+        scene_.budget->work(kFile * static_cast<double>(output.parts.size()), output.pattern,
+                            std::to_string(output.parts.size()) + " files");
+    }
 }
 
 /// No file is written twice, and none over the scene. Files of one output differ by their frame numbers and parts.
@@ -195,17 +215,18 @@ void Exporter::checkOutputs() {
 }
 
 void Exporter::open(Output &output) {
-    if (output.info.format == Format::Cache)
-        for (std::size_t i = 0; i < objects_.size(); ++i) {
-            PointCacheInfo info;
-            info.format = output.info.extension == "mdd" ? PointCacheFormat::Mdd : PointCacheFormat::Pc2;
-            info.points = static_cast<std::uint32_t>(objects_[i].surface.mesh().positions.size());
-            info.samples = static_cast<std::uint32_t>(frames_.size());
-            info.firstFrame = static_cast<float>(frames_.front());
-            info.frameStep = frames_.size() > 1 ? static_cast<float>(frames_[1] - frames_[0]) : 1.0F;
-            for (const int frame : frames_) info.seconds.push_back(static_cast<float>((frame - 1) / scene_.render.fps));
-            output.caches.push_back(std::make_unique<PointCacheWriter>(newPathOf(output, 0, i), std::move(info)));
-        }
+    if (output.info.format != Format::Cache) return;
+    allowOpenFiles(outputs_.size() * objects_.size());
+    for (std::size_t i = 0; i < objects_.size(); ++i) {
+        PointCacheInfo info;
+        info.format = output.info.extension == "mdd" ? PointCacheFormat::Mdd : PointCacheFormat::Pc2;
+        info.points = static_cast<std::uint32_t>(objects_[i].surface.mesh().positions.size());
+        info.samples = static_cast<std::uint32_t>(frames_.size());
+        info.firstFrame = static_cast<float>(frames_.front());
+        info.frameStep = frames_.size() > 1 ? static_cast<float>(frames_[1] - frames_[0]) : 1.0F;
+        for (const int frame : frames_) info.seconds.push_back(static_cast<float>((frame - 1) / scene_.render.fps));
+        output.caches.push_back(std::make_unique<PointCacheWriter>(newPathOf(output, 0, i), std::move(info)));
+    }
 }
 
 /// The meshes of all objects side by side, as writers of many objects take them. Moved there and back: nothing is copied.

@@ -4,6 +4,7 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -188,6 +189,16 @@ std::FILE *openSpool(const std::string &path) {
     std::FILE *file = openOwn(path, name, false);
     if (file == nullptr) throw RunError(path + ": could not be written: " + std::strerror(errno));
     return file;
+}
+
+void allowOpenFiles(std::size_t count) {
+    constexpr rlim_t kOthers = 64;
+    rlimit limit{};
+    if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+    const rlim_t wanted = std::min(static_cast<rlim_t>(count) + kOthers, limit.rlim_max);
+    if (limit.rlim_cur >= wanted) return;
+    limit.rlim_cur = wanted;
+    setrlimit(RLIMIT_NOFILE, &limit);
 }
 
 void abandonOutputFiles() {

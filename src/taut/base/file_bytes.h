@@ -62,6 +62,10 @@ int removeAbandonedFiles(const std::string &folder);
 /// Throws RunError.
 std::FILE *openSpool(const std::string &path);
 
+/// Allows this process so many open files at a time beside the few that it has, as far as the system lets it: where that is not enough,
+/// opening one says so.
+void allowOpenFiles(std::size_t count);
+
 /// For a process that is about to end where it stands: removes every unfinished OutputFile and keeps threads that still run from
 /// starting or finishing any.
 void abandonOutputFiles();

@@ -26,6 +26,7 @@ void RigPoses::start(const std::shared_ptr<const Rig> &rig) {
     entries_.clear();
     next_ = 0;
     sortedClip_ = nullptr;
+    told_.clear();
 }
 
 template <class Evaluate> std::shared_ptr<const Pose> RigPoses::find(const Entry &wanted, const Evaluate &evaluate) {
@@ -77,6 +78,20 @@ std::vector<const Channel *> RigPoses::channelsOf(const std::shared_ptr<const Ri
     start(rig);
     sortChannels(*clip);
     return channels_[node];
+}
+
+bool RigPoses::once(const std::shared_ptr<const Rig> &rig, const Clip *clip, Index node, const DMat3 &above,
+                    const std::function<bool()> &tell) {
+    {
+        const std::lock_guard lock(mutex_);
+        start(rig);
+        if (const auto known = told_.find({clip, node}); known != told_.end() && known->second.above == above) return known->second.answer;
+    }
+    const bool answer = tell();
+    const std::lock_guard lock(mutex_);
+    start(rig);
+    told_[{clip, node}] = {above, answer};
+    return answer;
 }
 
 std::size_t RigPoses::evaluations() const {

@@ -4,8 +4,11 @@
 
 #include "taut/deform/animation.h"
 
+#include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
+#include <utility>
 
 namespace taut {
 
@@ -21,6 +24,9 @@ class RigPoses {
     bool isMoved(const std::shared_ptr<const Rig> &rig, const Clip *clip, Index node, ChannelPath path);
     /// The channels of `clip` that move a node, in the clip's order.
     std::vector<const Channel *> channelsOf(const std::shared_ptr<const Rig> &rig, const Clip *clip, Index node);
+    /// Remembers what was told of a node below a linear map: `tell`'s answer is asked for once for each clip and node while the map and
+    /// the rig stay. `tell` may use this object.
+    bool once(const std::shared_ptr<const Rig> &rig, const Clip *clip, Index node, const DMat3 &above, const std::function<bool()> &tell);
     /// How many poses were evaluated so far, rest poses with them.
     [[nodiscard]] std::size_t evaluations() const;
 
@@ -42,6 +48,11 @@ class RigPoses {
     std::size_t evaluations_ = 0;
     const Clip *sortedClip_ = nullptr;
     std::vector<std::vector<const Channel *>> channels_; ///< [nodes] of sortedClip_
+    struct Told {
+        DMat3 above;
+        bool answer;
+    };
+    std::map<std::pair<const Clip *, Index>, Told> told_;
 };
 
 } // namespace taut

@@ -4,6 +4,8 @@
 #include "taut/base/error.h"
 #include "taut/export/block_writer.h"
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -98,47 +100,51 @@ std::string layerHeader(const std::vector<int> &frames, double fps) {
 
 } // namespace
 
-/// A temporary file that vanishes with its owner.
+/// A temporary file that vanishes with its owner. It holds the samples in the order in which they come; the file wants each attribute's
+/// together.
 struct UsdaWriter::Spool {
     std::string path; ///< of the file that it is for
     std::FILE *file;
+    std::uint64_t size = 0;
     explicit Spool(std::string name) : path(std::move(name)), file(openSpool(path)) {}
     Spool(const Spool &) = delete;
     Spool &operator=(const Spool &) = delete;
     ~Spool() { std::fclose(file); }
     [[noreturn]] void fail() const { throw RunError(path + ": could not be written: " + std::strerror(errno)); }
-    void write(std::string_view text) const {
+    void write(std::string_view text) {
         if (std::fwrite(text.data(), 1, text.size(), file) != text.size()) fail();
+        size += text.size();
     }
-    void appendTo(OutputFile &out) const {
-        std::vector<char> block(std::size_t{1} << 20);
-        if (std::fflush(file) != 0) fail();
-        std::rewind(file);
-        while (const std::size_t size = std::fread(block.data(), 1, block.size(), file)) out.write(block.data(), size);
-        if (std::ferror(file) != 0) fail();
+    void copy(const Passage &passage, OutputFile &out) const {
+        if (fseeko(file, static_cast<off_t>(passage.begin), SEEK_SET) != 0) fail();
+        std::array<char, 1 << 16> block;
+        for (std::uint64_t left = passage.end - passage.begin; left > 0;) {
+            const std::size_t read = std::fread(block.data(), 1, std::min<std::uint64_t>(block.size(), left), file);
+            if (read == 0) fail();
+            out.write(block.data(), read);
+            left -= read;
+        }
     }
 };
 
-UsdaWriter::UsdaWriter(const std::string &path, std::span<const GlossMesh> meshes) : out_(path) {
-    for (std::size_t m = 0; m < meshes.size(); ++m) {
-        auto &spools = spools_.emplace_back();
-        const std::size_t count = sampledAttributes(meshes[m]).size();
-        for (std::size_t a = 0; a < count; ++a) spools.push_back(std::make_unique<Spool>(path));
-    }
-}
+UsdaWriter::UsdaWriter(const std::string &path, std::span<const GlossMesh> meshes)
+    : out_(path), spool_(std::make_unique<Spool>(path)), samples_(meshes.size()) {}
 
 UsdaWriter::~UsdaWriter() = default;
 
 void UsdaWriter::write(int frame, std::span<const GlossMesh> meshes) {
     frames_.push_back(frame);
+    const auto sink = [&](std::string_view text) { spool_->write(text); };
     for (std::size_t m = 0; m < meshes.size(); ++m) {
         const std::vector<Sampled> attributes = sampledAttributes(meshes[m]);
+        samples_[m].resize(attributes.size());
         for (std::size_t a = 0; a < attributes.size(); ++a) {
             const Sampled &attribute = attributes[a];
-            const auto sink = [&](std::string_view text) { spools_[m][a]->write(text); };
+            const std::uint64_t begin = spool_->size;
             sink("            " + std::to_string(frame) + ": ");
             writeFloatArray(attribute.width, attribute.stride, attribute.data, meshes[m].vertexCount(), sink);
             sink(",\n");
+            samples_[m][a].push_back({begin, spool_->size});
         }
     }
 }
@@ -173,13 +179,13 @@ void UsdaWriter::finish(std::span<const GlossMesh> meshes, double fps) {
             const std::string &declaration = attributes[a].declaration;
             if (a > 0) sink("        " + declaration + " (\n            interpolation = \"vertex\"\n        )\n"); // points have none
             sink("        " + declaration + ".timeSamples = {\n");
-            spools_[m][a]->appendTo(out_);
+            for (const Passage &passage : samples_[m][a]) spool_->copy(passage, out_);
             sink("        }\n");
         }
         sink("    }\n");
     }
     sink("}\n");
-    spools_.clear();
+    spool_.reset();
     out_.finish();
 }
 

@@ -7,6 +7,7 @@
 #include "taut/base/file_bytes.h"
 #include "taut/export/gloss_mesh.h"
 
+#include <cstdint>
 #include <memory>
 
 namespace taut {
@@ -21,14 +22,19 @@ class UsdaWriter {
 
     /// Adds the time sample of a frame; frames increase. The meshes are the constructor's, at that frame.
     void write(int frame, std::span<const GlossMesh> meshes);
-    /// Joins the spools with what does not change over the frames.
+    /// Joins the samples with what does not change over the frames.
     void finish(std::span<const GlossMesh> meshes, double fps);
 
   private:
     struct Spool;
+    /// A part of the spool, bytes.
+    struct Passage {
+        std::uint64_t begin, end;
+    };
 
     OutputFile out_;
-    std::vector<std::vector<std::unique_ptr<Spool>>> spools_; ///< [meshes][attributes]
+    std::unique_ptr<Spool> spool_;
+    std::vector<std::vector<std::vector<Passage>>> samples_; ///< [meshes][attributes][frames]
     std::vector<int> frames_;
 };
 

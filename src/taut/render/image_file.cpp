@@ -1,9 +1,12 @@
 #include "taut/render/image_file.h"
 
+#include "taut/base/budget.h"
 #include "taut/base/error.h"
 #include "taut/base/file_bytes.h"
 #include "taut/base/srgb.h"
 #include "taut/images/image_codec.h"
+#include "taut/scene/exr_guard.h"
+#include "taut/scene/png_guard.h"
 
 #include <cmath>
 
@@ -20,6 +23,22 @@ std::vector<unsigned char> srgbBytes(const Image &image) {
         for (std::size_t c = 0; c < 3; ++c)
             bytes.push_back(static_cast<unsigned char>(std::lround(255 * srgbFromLinear(image.values[first + c]))));
     return bytes;
+}
+
+/// Its values fit into the budget; while they are read there are two copies of them.
+void checkSize(const std::string &path, std::int64_t width, std::int64_t height, std::size_t channels, double decoder,
+               const Budget &budget) {
+    const double values = static_cast<double>(width) * static_cast<double>(height) * static_cast<double>(channels);
+    budget.require(2 * sizeof(float) * values + decoder, path,
+                   "an image of " + std::to_string(width) + " x " + std::to_string(height) + " pixels");
+}
+
+/// Before a decoder looks: the header must be sound, and ask for no more than the budget has.
+void checkHeader(const std::string &path, const std::string &bytes, bool png, const Budget &budget) {
+    const std::string damage = png ? damageOfPng(bytes) : damageOfExr(bytes);
+    if (!damage.empty()) throw InputError(path + ": found no readable image (" + damage + "), expected an EXR or PNG");
+    const AnnouncedSize size = png ? sizeOfPng(bytes) : sizeOfExr(bytes);
+    checkSize(path, size.width, size.height, static_cast<std::size_t>(size.channels), size.decoder, budget);
 }
 
 } // namespace
@@ -63,6 +82,9 @@ void writeImage(const std::string &path, const Image &image, const Metadata &met
 Image readImage(const std::string &path) {
     const std::string bytes = readFileBytes(path);
     const bool png = bytes.compare(0, 4, "\x89PNG") == 0;
+    Budget budget;
+    budget.addInput(bytes.size());
+    checkHeader(path, bytes, png, budget);
     const ImageCodec &codec = imageCodec();
     Image image;
     try {
@@ -72,8 +94,11 @@ Image readImage(const std::string &path) {
         image.width = part.fullWidth;
         image.height = part.fullHeight;
         image.channels = part.channels;
+        checkSize(path, part.width, part.height, part.channels.size(), 0, budget);
         image.values.resize(static_cast<std::size_t>(part.width) * static_cast<std::size_t>(part.height) * part.channels.size());
         input->read(0, 0, part.channelCount(), image.values.data());
+    } catch (const InputError &) {
+        throw;
     } catch (const std::exception &error) {
         throw InputError(path + ": found no readable image (" + error.what() + "), expected an EXR or PNG");
     }

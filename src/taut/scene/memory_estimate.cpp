@@ -1,6 +1,7 @@
 #include "taut/scene/memory_estimate.h"
 
 #include "taut/scene/object_motion.h"
+#include "taut/scene/rest_placement.h"
 
 #include <algorithm>
 #include <cmath>
@@ -19,6 +20,7 @@ constexpr double kSkinInfluence = 24; ///< gradients of skin weights
 /// Seconds on one core.
 constexpr double kDeformPoint = 6e-8; ///< one deformer and its Jacobian
 constexpr double kLightSeen = 2e-8;   ///< one light from one point, for the plan
+constexpr double kNodePlaced = 2e-7;  ///< one node at one time
 
 struct Counts {
     double triangles = 0;
@@ -62,15 +64,18 @@ double objectBytes(const Object &object, const RenderSettings &render, int level
     const bool moved = deforms(object);
     const double times = deforms(object) ? timesOf(object, render) : 1;
     const double skin = kSkinInfluence * static_cast<double>(object.mesh->skin.joints.size());
-    const double joints = object.rig && object.rig->rig->nodes[object.rig->node].skin != kNone
-                              ? sizeof(DMat4) * static_cast<double>(object.rig->rig->skins[object.rig->rig->nodes[object.rig->node].skin].joints.size())
-                              : 0;
-    return kObject + 4 * static_cast<double>(object.name.size()) + joints + skin + sizeof(Emission) * static_cast<double>(object.materials.size()) +
-           kTriangle * counts.triangles + counts.vertices * (kVertex + kStep * times + (moved ? kMovedVertex : 0)) +
-           subdivisionBytes(*object.mesh, level);
+    const double joints =
+        object.rig && object.rig->rig->nodes[object.rig->node].skin != kNone
+            ? sizeof(DMat4) * static_cast<double>(object.rig->rig->skins[object.rig->rig->nodes[object.rig->node].skin].joints.size())
+            : 0;
+    return kObject + 4 * static_cast<double>(object.name.size()) + joints + skin +
+           sizeof(Emission) * static_cast<double>(object.materials.size()) + kTriangle * counts.triangles +
+           counts.vertices * (kVertex + kStep * times + (moved ? kMovedVertex : 0)) + subdivisionBytes(*object.mesh, level);
 }
 
 void chargeObject(Budget &budget, const Object &object, const RenderSettings &render) {
+    const double placements = placementsToCompare(object);
+    budget.work(kNodePlaced * placements, placeOf(object), formatNumber(placements) + " placements of nodes that may change its shape");
     const int level = askedLevel(object);
     budget.take(objectBytes(object, render, level), placeOf(object), countOf(object, level));
     const double deformers = static_cast<double>(object.deformers.size() + object.mesh->morphs.size());
@@ -84,7 +89,8 @@ void chargeScene(const Scene &scene) {
     std::size_t uses = 0;
     for (const Object &object : scene.objects) uses += object.materials.size();
     const std::size_t lights = scene.lights.size();
-    scene.budget->work(kLightSeen * static_cast<double>(uses) * static_cast<double>(lights) * static_cast<double>(std::min(lights + 1, kPoints)),
+    scene.budget->work(kLightSeen * static_cast<double>(uses) * static_cast<double>(lights) *
+                           static_cast<double>(std::min(lights + 1, kPoints)),
                        scene.path, std::to_string(lights) + " lights over " + std::to_string(uses) + " materials of meshes");
 }
 

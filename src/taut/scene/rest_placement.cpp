@@ -16,6 +16,11 @@ constexpr double kSameShape = 1e-4;
 constexpr double kFlat = 1e-6;
 /// A placement with no entry above this leaves nothing of its mesh.
 constexpr double kVanished = 1e-12;
+/// Keys of a motion that are compared with its rest shape.
+constexpr std::size_t kMostKeys = 4096;
+/// At each key, and between it and the next: half a turn under a scale of two directions has the same shape at both ends, and in the
+/// middle of a whole turn.
+constexpr std::array<double, 3> kTimesOfKey{0.3819660112501051, 0.0, 0.7236067977499789};
 
 double maxAbs(const DMat3 &m) {
     double largest = 0;
@@ -170,12 +175,12 @@ bool keepsShapeOverTime(const Chain &chain, const DMat3 &above, const DMat3 &sha
     const Clip clip = chain.clip(false);
     std::vector<double> keys;
     for (const Channel &channel : clip.channels) keys.insert(keys.end(), channel.times.begin(), channel.times.end());
+    if (keys.size() > kMostKeys) return false;
     std::sort(keys.begin(), keys.end());
     keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
     for (std::size_t i = 0; i < keys.size(); ++i) {
         const double next = keys[std::min(i + 1, keys.size() - 1)];
-        // Half a turn under a scale of two directions has the same shape at both ends, and in the middle of a whole turn.
-        for (const double u : {0.3819660112501051, 0.0, 0.7236067977499789}) {
+        for (const double u : kTimesOfKey) {
             const Pose pose = evaluatePose(chain.rig, &clip, keys[i] + u * (next - keys[i]));
             const DMat3 linear(pose.worldFromNode.back());
             if (!keepsShape(above * linear, shape) || (glm::determinant(linear) < 0) != (side < 0)) return false;
@@ -201,15 +206,36 @@ Mat3 restFromObject(const Object &object) {
     return Mat3(shapeOf(placementRest(object.placement) * rest));
 }
 
-bool isRigid(const Object &object) {
+namespace {
+
+/// False where the kinds of its motions tell already.
+bool maybeRigid(const Object &object) {
     if (object.points || !object.deformers.empty() || !object.rest.bind || !object.placement.scale.isConstant()) return false;
-    if (skinOf(object) != nullptr || (object.rig && !object.mesh->morphs.empty())) return false;
+    return skinOf(object) == nullptr && (!object.rig || object.mesh->morphs.empty());
+}
+
+} // namespace
+
+bool isRigid(const Object &object) {
+    if (!maybeRigid(object)) return false;
     const DMat3 above = placementRest(object.placement);
     if (!object.rig) return keepsShape(above, shapeOf(above)); // else flat
+    const RigMotion &motion = *object.rig;
+    return motion.poses->once(motion.rig, clipOf(motion), motion.node, above, [&] {
+        const Chain chain = chainOf(motion);
+        const DMat3 placement = above * chain.rest.back();
+        const DMat3 shape = shapeOf(placement);
+        return keepsShape(placement, shape) && (!mayDeform(chain, above) || keepsShapeOverTime(chain, above, shape));
+    });
+}
+
+double placementsToCompare(const Object &object) {
+    if (!maybeRigid(object) || !object.rig) return 0;
     const Chain chain = chainOf(*object.rig);
-    const DMat3 placement = above * chain.rest.back();
-    const DMat3 shape = shapeOf(placement);
-    return keepsShape(placement, shape) && (!mayDeform(chain, above) || keepsShapeOverTime(chain, above, shape));
+    if (!mayDeform(chain, placementRest(object.placement))) return 0;
+    std::size_t keys = 0;
+    for (const auto &[node, channel] : chain.channels) keys += channel->times.size();
+    return keys > kMostKeys ? 0 : static_cast<double>(keys * kTimesOfKey.size() * chain.rig.nodes.size());
 }
 
 } // namespace taut

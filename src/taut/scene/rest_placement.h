@@ -12,8 +12,11 @@ Mat3 restFromObject(const Object &object);
 
 /// True where every placement that the object is given, at any time, is its rest shape turned, moved or mirrored: then its gloss is the
 /// rest gloss. What the matrices say decides, not which channels there are: a rotation under a constant non-uniform scale is a
-/// deformation, and two scales that undo each other are none.
+/// deformation, and two scales that undo each other are none. A motion of more than 4096 keys that may change the shape counts as one that
+/// does: what follows a deformation is right for every motion.
 bool isRigid(const Object &object);
+/// Placements of nodes that isRigid() evaluates.
+double placementsToCompare(const Object &object);
 
 /// The skin that moves the object's mesh; null: none.
 const Skin *skinOf(const Object &object);
