@@ -56,10 +56,6 @@ void checkExtras(const CLI::App &app) {
 
 } // namespace
 
-void taut::app::printWarnings(const Warnings &warnings) {
-    for (const std::string &line : warnings.lines) std::cerr << "taut: warning: " << line << std::endl;
-}
-
 namespace {
 
 int runCommand(int argc, char **argv) {

@@ -8,6 +8,7 @@
 #include "taut/scene/load_scene.h"
 
 #include <algorithm>
+#include <iostream>
 
 namespace taut::app {
 
@@ -37,6 +38,10 @@ void tellOfClip(const SceneArguments &arguments, const Scene &scene, Warnings &w
 }
 
 } // namespace
+
+void printWarnings(const Warnings &warnings) {
+    for (const std::string &line : warnings.lines) std::cerr << "taut: warning: " << line << std::endl;
+}
 
 std::shared_ptr<Budget> budgetOf(const SceneArguments &arguments) {
     if (arguments.maxMemory.empty()) return std::make_shared<Budget>();

@@ -40,7 +40,7 @@ chmod 600 munge/key
 munged --force --foreground --socket="$scratch/munge/socket" --key-file="$scratch/munge/key" --pid-file="$scratch/munge/pid" \
     --log-file="$scratch/log/munged.log" --seed-file="$scratch/munge/seed" 2> log/munged.err &
 host=$(hostname -s)
-port=$((20000 + RANDOM % 20000))
+port=$((20000 + RANDOM % 12000)) # below those that the system gives to clients
 cat > slurm.conf << END
 ClusterName=test
 SlurmctldHost=$host(127.0.0.1)
@@ -89,7 +89,7 @@ await() {
         sleep 0.3
     done
 }
-await 30 '[ "$(sinfo -h -N -t idle 2> /dev/null | wc -l)" = 2 ]' || fail "no two idle nodes"
+await 120 '[ "$(sinfo -h -N -t idle 2> /dev/null | wc -l)" = 2 ]' || fail "no two idle nodes"
 
 # --- the jobs -----------------------------------------------------------------------------------------------------------
 mkdir -p job

@@ -38,6 +38,8 @@ std::span<const Harness> harnesses() {
         Harness{"png", runImage, pngSeeds, Grammar::Png},
         Harness{"environment", runEnvironment, environmentSeeds},
         Harness{"writers", runWriters, writerSeeds, Grammar::Toml},
+        Harness{"http", runHttp, httpSeeds},
+        Harness{"change", runChange, changeSeeds, Grammar::Json},
         Harness{"picture", runPicture, pictureSeeds},
     };
     return kAll;

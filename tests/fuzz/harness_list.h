@@ -58,4 +58,10 @@ std::vector<std::string> environmentSeeds();
 void runPicture(std::string_view bytes);
 std::vector<std::string> pictureSeeds();
 
+// harness_view.cpp
+void runHttp(std::string_view bytes);
+void runChange(std::string_view bytes);
+std::vector<std::string> httpSeeds();
+std::vector<std::string> changeSeeds();
+
 } // namespace taut::fuzz

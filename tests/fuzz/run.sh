@@ -1,6 +1,7 @@
 #!/bin/sh
 # Fuzzes the harnesses one after the other, for FUZZ_SECONDS (60) or FUZZ_RUNS each, from their seeds and what earlier runs found, and
-# prints a table. FUZZ_HARNESSES: some of them. A finding is a file in CRASHES/HARNESS, and exit code 1. docs/limits.md says the rest.
+# prints a table. FUZZ_HARNESSES: some of them; FUZZ_TIMEOUT: more than the ten seconds that an input may take, on a busy machine. A
+# finding is a file in CRASHES/HARNESS, and exit code 1. docs/limits.md says the rest.
 #   run.sh BUILD CORPORA CRASHES
 set -u
 build=$1
@@ -25,7 +26,8 @@ for name in ${FUZZ_HARNESSES:-$names}; do
     log=$corpora/$name.log
     # An allocation beyond the limit that docs/limits.md names is a finding, and so is an input that takes ten seconds.
     TAUT_FUZZ_HARNESS=$name ASAN_OPTIONS=quarantine_size_mb=32 "$build/taut_fuzz" ${limit:--max_total_time=${FUZZ_SECONDS:-60}} \
-        -timeout=10 -malloc_limit_mb=1000 -rss_limit_mb=1500 -max_len=8192 -print_final_stats=1 -artifact_prefix="$crashes/$name/" \
+        -timeout="${FUZZ_TIMEOUT:-10}" -report_slow_units="${FUZZ_TIMEOUT:-10}" -malloc_limit_mb=1000 -rss_limit_mb=1500 -max_len=8192 \
+        -print_final_stats=1 -artifact_prefix="$crashes/$name/" \
         $([ -f "$dictionary" ] && echo "-dict=$dictionary") "$corpora/$name" "$seeds/$name" $([ -d "$here/regressions/$name" ] && echo "$here/regressions/$name") >"$log" 2>&1 ||
         status=1
     runs=$(sed -n 's/^stat::number_of_executed_units: //p' "$log")

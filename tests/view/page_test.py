@@ -5,15 +5,15 @@
 
 import base64
 import json
+import math
 import os
 import shutil
-import signal
 import subprocess
 import sys
 import time
-import urllib.request
 
 import webdriver
+from view_process import Server
 
 SCENE = """[render]
 width = 240
@@ -55,20 +55,6 @@ let text = '';
 for (const b of bytes) text += String.fromCharCode(b);
 return [canvas.width, canvas.height, btoa(text)];"""
 SHEAR = "plate, shear, keyed"
-
-
-class Server:
-    def __init__(self, taut, scene, *arguments):
-        self.process = subprocess.Popen([taut, "view", scene, "--no-open", *arguments], stdout=subprocess.PIPE, text=True)
-        self.url = self.process.stdout.readline().strip()
-
-    def get(self, path):
-        with urllib.request.urlopen(self.url + path, timeout=60) as answer:
-            return json.load(answer)
-
-    def end(self):
-        self.process.send_signal(signal.SIGINT)
-        assert self.process.wait(timeout=60) == 0
 
 
 class Test:
@@ -128,6 +114,69 @@ class Test:
         self.browser.press("[", "[")
         self.check_same(self.pixels()[2], self.rendered(self.scene))
         assert self.server.get("state")["version"] == before
+
+    def shown(self, transform):
+        """What the picture's pixels are on a screen, by a function from a linear pixel to display values from 0 to 1."""
+        byte = lambda v: round(255 * min(max(v, 0), 1))
+        return [bytes(byte(v) for pixel in row for v in transform(pixel)) for row in self.server.picture()]
+
+    def looks(self):
+        """View transforms against their formulas: IEC 61966-2-1, Narkowicz 2015, and stops about middle grey."""
+        encoded = lambda c: 12.92 * c if c <= 0.0031308 else 1.055 * c ** (1 / 2.4) - 0.055
+        filmic = lambda c: min(1, c * (2.51 * c + 0.03) / (c * (2.43 * c + 0.59) + 0.14))
+        low, middle, high = (0.0, 0.135, 0.304), (0.486, 0.482, 0.471), (0.996, 0.91, 0.217)
+
+        def stops(pixel):
+            stop = math.log2(max(sum(w * c for w, c in zip((0.2126, 0.7152, 0.0722), pixel)), 1e-6) / 0.18)
+            u = min(max((stop + 6) / 12, 0), 1)
+            mix = lambda a, b, t: [x + (y - x) * t for x, y in zip(a, b)]
+            return mix(low, middle, 2 * u) if u < 0.5 else mix(middle, high, 2 * u - 1)
+
+        self.check_same(self.pixels()[2], self.shown(lambda pixel: [encoded(c) for c in pixel[:3]]))
+        self.browser.press("down", focus="#transform")
+        self.check_same(self.pixels()[2], self.shown(lambda pixel: [encoded(filmic(c)) for c in pixel[:3]]))
+        self.browser.press("down", focus="#transform")
+        self.check_same(self.pixels()[2], self.shown(stops))
+        self.browser.press("up", "up", focus="#transform")
+
+    def frames(self):
+        """Field of view and aperture by the keyboard."""
+        self.browser.press(*["right"] * 5, focus="#fov")
+        self.browser.press(*["right"] * 20, focus="#aperture")
+        self.settled()
+        camera = self.server.get("state")["camera"]
+        assert abs(camera["fov_deg"] - 45.5) < 1e-6 and abs(camera["aperture_radius"] - 0.01) < 1e-9, camera
+        change = self.server.get("state")["changes"][0]
+        self.check_same(self.pixels()[2], self.rendered(self.scene, "-D", f"camera={change['text']}"))
+        self.browser.click("#cameraBack")
+        self.settled()
+
+    def snapshots(self):
+        """A on the left of the line, B on its right; what is rendered in between goes on beside them."""
+        self.browser.press("a", ".")
+        self.settled(2)
+        self.browser.press("b", ".")
+        self.settled(3)
+        self.browser.press("c")
+        seen = self.pixels()[2]
+        self.check_same(seen, self.rendered(self.scene, frame=1), 0, 0.48)
+        self.check_same(seen, self.rendered(self.scene, frame=2), 0.52, 1)
+        self.browser.screenshot(f"{self.folder}/snapshots.png")
+        self.browser.press("c", ",", ",")
+        self.settled(1)
+
+    def colours(self):
+        """False colours at frame 3: the greatest and least stretch of a shear by k are (sqrt(k^2 + 4) +- k) / 2 everywhere."""
+        for downs, stretch in ((1, (math.sqrt(1.44 + 4) + 1.2) / 2), (2, (math.sqrt(1.44 + 4) - 1.2) / 2)):
+            self.browser.press(*["down"] * downs, focus="#channel")
+            self.settled(3)
+            text = self.browser.until("return document.getElementById('range').textContent")
+            least, greatest = (float(part.split()[-1]) for part in text.split(","))
+            assert abs(least - stretch) < 0.006 and abs(greatest - stretch) < 0.006, (text, stretch)
+            self.browser.screenshot(f"{self.folder}/colours{downs}.png")
+            self.browser.press(*["up"] * downs, focus="#channel")
+            self.settled(3)
+        self.check_same(self.pixels()[2], self.rendered(self.scene, frame=3))
 
     def orbits(self):
         before = self.server.get("state")["camera"]["position"]
@@ -248,6 +297,7 @@ class Test:
         for frame in ("1", "2", "3"):
             self.browser.until("return document.getElementById('picture').dataset.frame === arguments[0]", frame)
         self.browser.press(" ")
+        self.settled(self.server.get("state")["frame"])
 
     def speaks(self):
         """All that can be reached has a name, and the keyboard reaches it."""
@@ -300,7 +350,7 @@ class Test:
 
     def run(self):
         try:
-            for part in (self.opens, self.orbits, self.touches, self.scrubs, self.deforms, self.wipes, self.inspects, self.saves, self.undoes,
+            for part in (self.opens, self.looks, self.orbits, self.touches, self.frames, self.snapshots, self.scrubs, self.colours, self.deforms, self.wipes, self.inspects, self.saves, self.undoes,
                          self.plays, self.speaks, self.fits, self.survives):
                 print(part.__name__, flush=True)
                 part()
