@@ -245,6 +245,7 @@ class Test:
         self.check_same(seen, follows, 0, 0.48)
         self.browser.screenshot(f"{self.folder}/wipe.png")
         self.browser.press("w")
+        self.browser.until("return document.getElementById('wipe').hidden && document.getElementById('wipeLine').hidden")
         self.settled(3)
 
     def inspects(self):

@@ -97,6 +97,7 @@ function onState(state, isMoving = false) {
   $('time').setAttribute('aria-valuetext', `frame ${state.frame}`);
   $('timeValue').textContent = `${state.frame} of ${state.frames.at(-1)}`;
   press('wiping', state.wipe);
+  draw(); // the line of the wipe, which no new picture need follow
   $('undo').disabled = session.done.length === 0;
   $('redo').disabled = session.undone.length === 0;
   if (!isMoving) {
