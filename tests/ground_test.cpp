@@ -108,6 +108,54 @@ TEST_CASE("ground: it lies below the lowest point, and all is framed with room",
     }
 }
 
+TEST_CASE("ground: a mesh whose file says nothing of up stands", "[ground]") {
+    const std::string folder = freshFolder("up");
+    // A table: a slab on four legs, along z and along y.
+    const auto table = [](bool yUp) {
+        std::string text;
+        int first = 0;
+        const auto add = [&](const DVec3 &a, const DVec3 &b) {
+            const auto turned = [&](const DVec3 &p) { return yUp ? DVec3(p.x, p.z, -p.y) : p; };
+            const DVec3 u = turned(a), v = turned(b);
+            std::istringstream lines(boxObj(glm::min(u, v), glm::max(u, v)));
+            for (std::string line; std::getline(lines, line);) {
+                if (line[0] == 'f') {
+                    std::istringstream corners(line.substr(1));
+                    line = "f";
+                    for (int c = 0; corners >> c;) line += " " + std::to_string(c + first);
+                }
+                text += line + "\n";
+            }
+            first += 8;
+        };
+        add({-1, -0.6, 1}, {1, 0.8, 1.1});
+        for (const double x : {-0.9, 0.8})
+            for (const double y : {-0.5, 0.6}) add({x, y, 0}, {x + 0.1, y + 0.1, 1});
+        return text;
+    };
+    writeBytes(folder + "/z.obj", table(false));
+    writeBytes(folder + "/y.obj", table(true));
+    CHECK(!groundOf(bare(folder + "/z.obj"))->yUp);
+    Scene turned = bare(folder + "/y.obj");
+    const Ground ground = *groundOf(turned);
+    CHECK(ground.yUp);
+    CHECK(ground.height == Approx(0).margin(2e-3));
+    standOn(ground, turned);
+    CHECK(turned.objects[0].placement.worldFromUp == bare(folder + "/y.obj", {"mesh.0.up=y"}).objects[0].placement.worldFromUp);
+    for (const char *said : {"mesh.0.up=z", "mesh.0.up=y", "mesh.0.rotate_deg=[0,0,5]", "camera.position=[0,-5,1]"})
+        CHECK(!groundOf(bare(folder + "/y.obj", {said}))->yUp);
+    const CommandResult told = runTaut({"render", "y.obj", "--check"}, folder);
+    requireSuccess(told);
+    CHECK(told.err.find("y is taken for up") != std::string::npos);
+    CHECK(runTaut({"render", "z.obj", "--check"}, folder).err.find("up") == std::string::npos);
+    // Real ones with y up, and ours, with z.
+    for (const char *name : {"static/hand_lowres.obj", "static/penguin_control_mesh.obj", "static/spot_control_mesh.obj",
+                             "static/wingnut.obj", "static/goathead.obj"})
+        if (const auto path = asset(name)) CHECK(groundOf(bare(*path))->yUp);
+    for (const char *name : {"body", "ring", "plate", "panel", "twist_bar"})
+        CHECK(!groundOf(bare(std::string(TAUT_SOURCE_DIR "/meshes/") + name + ".obj"))->yUp);
+}
+
 TEST_CASE("ground: what moves never falls below it, and is framed at every frame", "[ground]") {
     const std::string folder = freshFolder("motion");
     writeBytes(folder + "/box.obj", boxObj(DVec3(-1), DVec3(1)));

@@ -19,8 +19,8 @@ std::array<std::pair<std::string_view, Index>, 5> policiesOf(const Surface &surf
 std::string stageOf(const Scene &scene) {
     const std::optional<Ground> ground = groundOf(scene);
     if (!ground) return "";
-    return fmt::format("taut render stands it on a ground at z = {:.6g}{}{} (--no-ground: not)", ground->height,
-                       scene.unsaid.light ? ", in the neutral studio" : ", under its own light",
+    return fmt::format("taut render stands it on a ground at z = {:.6g}{}{}{} (--no-ground: not)", ground->height,
+                       ground->yUp ? ", y up" : "", scene.unsaid.light ? ", in the neutral studio" : ", under its own light",
                        scene.unsaid.camera ? ", framed" : ", seen by its own camera");
 }
 

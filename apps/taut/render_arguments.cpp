@@ -1,5 +1,7 @@
 #include "render_arguments.h"
 
+#include "commands.h"
+
 #include "taut/base/frame_set.h"
 #include "taut/scene/ground.h"
 
@@ -79,7 +81,12 @@ Scene sceneOf(const RenderArguments &arguments) {
     if (arguments.spp > 0) scene.render.spp = arguments.spp;
     if (arguments.seed) scene.render.seed = *arguments.seed;
     if (arguments.fixedSeed) scene.render.fixedSeed = true;
-    if (const std::optional<Ground> ground = arguments.noGround ? std::nullopt : groundOf(scene)) standOn(*ground, scene);
+    const std::optional<Ground> ground = arguments.noGround ? std::nullopt : groundOf(scene);
+    if (!ground) return scene;
+    standOn(*ground, scene);
+    Warnings turned;
+    if (ground->yUp) turned.add(scene.path + ": y is taken for up, so that it stands (-D mesh.0.up=z: as it lies)");
+    if (!arguments.quiet) printWarnings(turned);
     return scene;
 }
 

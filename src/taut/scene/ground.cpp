@@ -2,6 +2,7 @@
 
 #include "taut/mesh/topology.h"
 #include "taut/scene/object_surface.h"
+#include "taut/scene/upright.h"
 
 #include <algorithm>
 #include <cmath>
@@ -88,8 +89,8 @@ void forEachPoint(const Object &object, ObjectMotion &motion, ObjectSurface *ref
         if (isFinite(p)) add(DVec3(p));
 }
 
-void lookAt(const Scene &scene, Framing &framing) {
-    for (const Object &object : scene.objects) {
+void lookAt(const Scene &scene, const std::vector<Object> &objects, Framing &framing) {
+    for (const Object &object : objects) {
         ObjectMotion motion;
         std::optional<ObjectSurface> refined;
         if (object.subdivision.level > 0) prepareObjectSurface(object, scene.render.fps, refined.emplace());
@@ -159,11 +160,14 @@ std::optional<Ground> groundOf(const Scene &scene) {
     const double first = scene.render.frames.front();
     const double tanVertical = std::tan(0.5 * scene.camera.fovY.at(first));
     Framing framing(tanVertical * scene.render.width / scene.render.height, tanVertical);
-    lookAt(scene, framing);
+    Ground ground;
+    std::vector<Object> objects = scene.objects;
+    ground.yUp = scene.unsaid.up && scene.unsaid.camera && objects.size() == 1 && standsWithYUp(objects.front(), first, scene.render.fps);
+    if (ground.yUp) objects.front().placement.worldFromUp = kWorldFromYUp;
+    lookAt(scene, objects, framing);
     if (framing.bounds.empty()) return std::nullopt;
     const DVec3 centre = framing.bounds.centre();
     const double radius = framing.bounds.radius();
-    Ground ground;
     ground.position = framing.position();
     ground.lookAt = ground.position - glm::dot(ground.position - centre, kTowardsCamera) * kTowardsCamera;
     ground.centre = DVec2(centre);
@@ -179,6 +183,7 @@ std::optional<Ground> groundOf(const Scene &scene) {
 }
 
 void standOn(const Ground &ground, Scene &scene) {
+    if (ground.yUp) scene.objects.front().placement.worldFromUp = kWorldFromYUp;
     Object object;
     object.name = freeName(scene);
     object.mesh = discMesh(kSolidRadii / kWholeRadii);

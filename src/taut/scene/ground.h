@@ -3,7 +3,7 @@
 ///
 /// The ground is a matt grey disc that fades into the backdrop, so that no edge is seen. It lies at the lowest point that the surfaces
 /// reach at the frames that are rendered, and is there from above alone: a camera below it looks through. What the file or the command
-/// line says itself stays: a camera, lights, an environment.
+/// line says itself stays: a camera, lights, an environment, which way is up.
 
 #include "taut/scene/scene.h"
 
@@ -15,6 +15,7 @@ namespace taut {
 inline constexpr std::size_t kMostFramesLookedAt = 64;
 
 struct Ground {
+    bool yUp = false;  ///< it is a mesh whose file says nothing of up, and stands with y up (upright.h)
     double height = 0; ///< world z
     DVec2 centre{0};   ///< world x, y
     double radius = 1; ///< where it has faded away
@@ -25,8 +26,8 @@ struct Ground {
 /// None where the scene is not that of a bare file, or nothing is seen of it. Throws as motionAtFrame() does.
 std::optional<Ground> groundOf(const Scene &scene);
 
-/// Adds the ground as the last object, with its materials, and puts the neutral studio and the framed camera in the place of what nobody
-/// asked for.
+/// Turns the mesh where y is up, adds the ground as the last object, with its materials, and puts the neutral studio and the framed camera
+/// in the place of what nobody asked for.
 void standOn(const Ground &ground, Scene &scene);
 
 } // namespace taut

@@ -154,6 +154,7 @@ struct SceneFile {
 /// What a loader filled in because nobody said it: what a ground under a bare file may replace (ground.h).
 struct Unsaid {
     bool scene = false;  ///< the file is a mesh or glTF file alone
+    bool up = false;     ///< no file says which way is up, nor anyone else
     bool camera = false; ///< it is framed
     bool light = false;  ///< it is the built-in studio's
 };
