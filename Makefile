@@ -5,7 +5,7 @@ BUILD := build/release
 SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
 PYTHON_PACKAGES := python3-dev pybind11-dev python3-numpy python3-pytest
 PACKAGES := g++ cmake ninja-build pkg-config libopenmesh-dev libosd-dev libembree-dev libglm-dev libopenimageio-dev openimageio-tools \
-            libtbb-dev libtomlplusplus-dev libcli11-dev libfmt-dev nlohmann-json3-dev libxxhash-dev libboost-dev catch2 \
+            libopencolorio-dev libtbb-dev libtomlplusplus-dev libcli11-dev libfmt-dev nlohmann-json3-dev libxxhash-dev libboost-dev catch2 \
             ffmpeg gnuplot-nox fonts-dejavu-core $(PYTHON_PACKAGES)
 MISSING := $(shell for p in $(PACKAGES); do dpkg-query -W -f='$${Status}' $$p 2>/dev/null | grep -q 'install ok installed' || echo $$p; done)
 

@@ -171,8 +171,8 @@ TEST_CASE("cli: a bare OBJ, PLY or GLB is framed and lit", "[cli]") {
         if (const auto path = asset(name)) files.push_back(*path);
     for (const std::string &file : files) {
         INFO(file);
-        requireSuccess(runTaut({"render", file, "-o", folder + "/a.exr", "-D", "render.width=64", "-D", "render.height=48", "-D",
-                                "environment.camera_visible=false", "--spp", "4"}));
+        requireSuccess(runTaut({"render", file, "--no-ground", "-o", folder + "/a.exr", "-D", "render.width=64", "-D", "render.height=48",
+                                "-D", "environment.camera_visible=false", "--spp", "4"}));
         const Image image = readImage(folder + "/a.exr");
         CHECK(image.width == 64);
         const double covered = meanOf(image, "A");

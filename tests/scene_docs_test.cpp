@@ -48,6 +48,7 @@ TEST_CASE("the scene manual has a line for every key", "[scene][docs]") {
     };
     const Section sections[] = {
         {"## [render]", "[render]\nzzz = 1\n"},
+        {"## [image]", "[image]\nzzz = 1\n"},
         {"## [camera]", "[camera]\nzzz = 1\n"},
         {"## [environment]", "[environment]\nzzz = 1\n"},
         {"## [[light]]", "[[light]]\nzzz = 1\n"},

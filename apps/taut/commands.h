@@ -14,6 +14,7 @@ void addRender(CLI::App &parent, Run &run);
 void addMerge(CLI::App &parent, Run &run);
 void addFarm(CLI::App &parent, Run &run);
 void addCompare(CLI::App &parent, Run &run);
+void addSheet(CLI::App &parent, Run &run);
 void addInfo(CLI::App &parent, Run &run);
 void addExport(CLI::App &parent, Run &run);
 void addProbe(CLI::App &parent, Run &run);

@@ -40,10 +40,13 @@ std::vector<std::string> renderWords(const RenderArguments &a) {
     add("--noise", a.noise.value_or(""));
     if (a.seed) add("--seed", std::to_string(*a.seed));
     if (a.fixedSeed) words.emplace_back("--fixed-seed");
+    if (a.noGround) words.emplace_back("--no-ground");
     add("--crop", a.crop);
     for (const std::string &aov : a.aovs) add("--aov", aov);
     if (a.model.tolerance) add("--tolerance", fmt::format("{}", *a.model.tolerance));
     add("--model", a.model.model);
+    const std::vector<std::string> image = imageWords(a.image);
+    words.insert(words.end(), image.begin(), image.end());
     return words;
 }
 
@@ -61,6 +64,7 @@ int farm(FarmArguments &arguments) {
     Scene loaded = sceneOf(render);
     const RenderSettings settings = loaded.render;
     checkOutputs(render.outputs, settings.frames.size());
+    imageSettingsOf(render.image, loaded.image, render.outputs); // or says why not
     FrameOptions options = optionsOf(render, settings);
     const std::vector<std::string_view> aovNames(render.aovs.begin(), render.aovs.end());
     options.aovs = aovsNamed(aovNames, "--aov");
@@ -109,6 +113,7 @@ void addFarm(CLI::App &parent, Run &run) {
     addSceneArguments(*command, render.scene);
     addModelArguments(*command, render.model);
     addSampleArguments(*command, render);
+    addImageArguments(*command, render.image);
     command->add_flag("--slurm", arguments->slurm, "Scripts for Slurm: DIR/submit.sh submits them");
     command->add_flag("--openjd", arguments->openjd, "A job template of Open Job Description 2023-09: DIR/template.json");
     command->add_option("-o,--output", arguments->folder, "Folder for the scripts")->required();

@@ -14,7 +14,8 @@ namespace taut::app {
 
 void checkOutputs(const std::vector<std::string> &outputs, std::size_t frames) {
     for (const std::string &output : outputs) {
-        if (!isImagePath(output)) failInput({"-o"}, quoted(output), "a file name that ends in .exr or .png (of taut render: or .mp4, .webm, .gif)");
+        if (!isImagePath(output))
+            failInput({"-o"}, quoted(output), "a file name that ends in .exr or .png (of taut render: or .mp4, .webm, .gif)");
         if (frames > 1 && !hasFramePattern(output))
             failInput({"-o"}, quoted(output), "a frame number such as #### in the name, for more than one frame");
     }
@@ -47,7 +48,7 @@ void writeImages(const SavedHead &head, const Film &film, const std::vector<std:
     metadata.emplace_back("taut:spp", std::to_string(film.samples()));
     metadata.emplace_back("taut:meanSpp", fmt::format("{:.3f}", film.meanSamples()));
     metadata.emplace_back("taut:sampleRange", fmt::format("0-{}", film.samples() - 1));
-    for (const std::string &path : paths) writeImage(path, image, metadata);
+    for (const std::string &path : paths) writeImage(path, image, metadata, head.image);
 }
 
 } // namespace taut::app

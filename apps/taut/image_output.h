@@ -20,7 +20,7 @@ bool areThere(const std::vector<std::string> &paths);
 /// Throws RunError where a file beside `path` can't be written: before the work, not after it.
 void checkWritable(const std::string &path);
 
-/// Writes each of these files with the head's metadata and what follows from the film.
+/// Writes each of these files as the head's settings say, with its metadata and what follows from the film.
 void writeImages(const SavedHead &head, const Film &film, const std::vector<std::string> &paths);
 
 } // namespace taut::app

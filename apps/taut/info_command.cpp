@@ -83,6 +83,7 @@ void print(const Report &report) {
     fmt::print("{}: {} x {}, {} spp, {} frames ({} to {})\n", report.scene.path, render.width, render.height, render.spp,
                render.frames.size(), render.frames.front(), render.frames.back());
     for (const SceneFile &file : scene.files) print(file);
+    if (const std::string stage = stageOf(scene); !stage.empty()) fmt::print("{}\n", stage);
     fmt::print("{} materials, {} textures, {} lights{}\n", scene.materials.size(), scene.textures.size(), scene.lights.size(),
                scene.environment ? ", an environment" : "");
     for (std::size_t i = 0; i < scene.materials.size(); ++i) {

@@ -1,6 +1,9 @@
 #include "info_report.h"
 
 #include "taut/mesh/topology.h"
+#include "taut/scene/ground.h"
+
+#include <fmt/format.h>
 
 namespace taut::app {
 
@@ -11,6 +14,14 @@ std::array<std::pair<std::string_view, Index>, 5> policiesOf(const Surface &surf
              {"SkipDegenerateFace", surface.degenerateFaces},
              {"SmoothFieldNoUv", surface.fallbackTangents},
              {"TangentFromUv_mirrored", surface.mirroredVertices}}};
+}
+
+std::string stageOf(const Scene &scene) {
+    const std::optional<Ground> ground = groundOf(scene);
+    if (!ground) return "";
+    return fmt::format("taut render stands it on a ground at z = {:.6g}{}{}{} (--no-ground: not)", ground->height,
+                       ground->yUp ? ", y up" : "", scene.unsaid.light ? ", in the neutral studio" : ", under its own light",
+                       scene.unsaid.camera ? ", framed" : ", seen by its own camera");
 }
 
 std::string_view bvhOf(const RenderScene &ready) {
@@ -100,6 +111,8 @@ nlohmann::json toJson(const Report &report) {
                           {"files", nlohmann::json::array()},
                           {"materials", nlohmann::json::array()},
                           {"objects", nlohmann::json::array()}};
+    if (const std::optional<Ground> ground = groundOf(scene))
+        result["ground"] = {{"height", ground->height}, {"centre", {ground->centre.x, ground->centre.y}}, {"radius", ground->radius}};
     for (const SceneFile &file : scene.files) result["files"].push_back(toJson(file));
     for (std::size_t i = 0; i < scene.materials.size(); ++i) {
         const MultiscatterPlan &planned = plan.materials[i];

@@ -27,6 +27,8 @@ nlohmann::json toJson(const MeshPlan &plan);
 std::array<std::pair<std::string_view, Index>, 5> policiesOf(const Surface &surface);
 
 /// What is done about BVHs, in words.
+/// What `taut render` adds to a bare file, in a line; empty: nothing.
+std::string stageOf(const Scene &scene);
 std::string_view bvhOf(const RenderScene &ready);
 
 } // namespace taut::app

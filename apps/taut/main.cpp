@@ -67,6 +67,7 @@ int runCommand(int argc, char **argv) {
     taut::app::addMerge(app, run);
     taut::app::addFarm(app, run);
     taut::app::addCompare(app, run);
+    taut::app::addSheet(app, run);
     taut::app::addInfo(app, run);
     taut::app::addExport(app, run);
     taut::app::addProbe(app, run);

@@ -1,6 +1,7 @@
 /// taut merge: shards of frames -> the images of these frames, as one process would have rendered them.
 
 #include "commands.h"
+#include "image_arguments.h"
 #include "image_output.h"
 
 #include "taut/base/frame_set.h"
@@ -18,6 +19,7 @@ namespace {
 struct MergeArguments {
     std::vector<std::string> shards;
     std::vector<std::string> outputs;
+    ImageArguments image;
     std::string frames;
     bool skipExisting = false;
     bool removeShards = false;
@@ -63,10 +65,12 @@ int merge(const MergeArguments &arguments) {
         if (paths.empty())
             failInput({pathOfFrame(arguments.outputs.front(), frame)}, fmt::format("no shard of frame {}", frame), "all of them");
         checkShards(paths);
+        imageSettingsOf(arguments.image, readSavedHead(paths.front()).image, arguments.outputs); // or says why not
     }
     for (const auto &[frame, paths] : shards) {
         if (isSkipped(frame)) continue;
-        const MergedFrame merged = mergeShards(paths);
+        MergedFrame merged = mergeShards(paths);
+        merged.head.image = imageSettingsOf(arguments.image, merged.head.image, arguments.outputs);
         writeImages(merged.head, merged.film, pathsOf(arguments.outputs, frame));
         if (!arguments.quiet)
             fmt::print(stderr, "frame {}: {} shards, {} samples a pixel, {:.2f} s -> {}\n", frame, paths.size(), merged.film.samples(),
@@ -87,6 +91,7 @@ void addMerge(CLI::App &parent, Run &run) {
     command->add_option("-o,--output", arguments->outputs, "Images: out/####.exr or .png; may be given more than once")
         ->required()
         ->allow_extra_args(false);
+    addImageArguments(*command, arguments->image);
     command->add_option("--frames", arguments->frames, "The frames: 1-48, 1-5,9; each must be there");
     command->add_flag("--skip-existing", arguments->skipExisting, "Leave out frames whose images are there");
     command->add_flag("--remove-shards", arguments->removeShards, "Remove the shards of a frame when its images are written");

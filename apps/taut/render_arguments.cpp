@@ -1,6 +1,9 @@
 #include "render_arguments.h"
 
+#include "commands.h"
+
 #include "taut/base/frame_set.h"
+#include "taut/scene/ground.h"
 
 #include <fmt/format.h>
 
@@ -78,6 +81,12 @@ Scene sceneOf(const RenderArguments &arguments) {
     if (arguments.spp > 0) scene.render.spp = arguments.spp;
     if (arguments.seed) scene.render.seed = *arguments.seed;
     if (arguments.fixedSeed) scene.render.fixedSeed = true;
+    const std::optional<Ground> ground = arguments.noGround ? std::nullopt : groundOf(scene);
+    if (!ground) return scene;
+    standOn(*ground, scene);
+    Warnings turned;
+    if (ground->yUp) turned.add(scene.path + ": y is taken for up, so that it stands (-D mesh.0.up=z: as it lies)");
+    if (!arguments.quiet) printWarnings(turned);
     return scene;
 }
 
@@ -156,6 +165,7 @@ void addSampleArguments(CLI::App &command, RenderArguments &arguments) {
                        "Adaptive sampling: stop where the standard error of a pixel is this share of its luminance (0.01); "
                        "--spp is the upper bound (default: 1024, or the scene's if that is more)");
     command.add_option("--seed", arguments.seed, "Seed of all random numbers");
+    command.add_flag("--no-ground", arguments.noGround, "A file without a scene stands on no ground: the mesh alone in the dim studio");
     command.add_flag("--fixed-seed", arguments.fixedSeed, "The same random numbers in every frame");
     command.add_option("--crop", arguments.crop, "Render only the pixels x0,y0,x1,y1 (x1, y1 excluded)");
     command
@@ -169,8 +179,11 @@ void addSampleArguments(CLI::App &command, RenderArguments &arguments) {
 void addRenderArguments(CLI::App &command, RenderArguments &arguments) {
     addSceneArguments(command, arguments.scene);
     addModelArguments(command, arguments.model);
-    command.add_option("-o,--output", arguments.outputs, "Images: out/####.exr or .png; movies: out/shot.mp4, .webm or .gif; may be given more than once")
+    command
+        .add_option("-o,--output", arguments.outputs,
+                    "Images: out/####.exr or .png; movies: out/shot.mp4, .webm or .gif; may be given more than once")
         ->allow_extra_args(false);
+    addImageArguments(command, arguments.image);
     command.add_option("--only", arguments.only, "Render only these of the frames; the plan looks at all of them");
     addSampleArguments(command, arguments);
     command.add_option("--checkpoint", arguments.checkpoint, "Keep what there is in FRAME.checkpoint this often: 90s, 5m, 1h");
@@ -182,7 +195,8 @@ void addRenderArguments(CLI::App &command, RenderArguments &arguments) {
     command.add_flag("--check", arguments.check, "Read and check everything, evaluate every frame, render nothing");
     command.add_flag("-q,--quiet", arguments.quiet, "Print errors only");
     command.add_option("--progress", arguments.progress, "bar, plain, json or openjd (default: bar on a terminal, else plain)");
-    command.add_option("--display", arguments.display, "Show the picture on its way in a tev viewer at HOST:PORT (tev's own: 127.0.0.1:14158)");
+    command.add_option("--display", arguments.display,
+                       "Show the picture on its way in a tev viewer at HOST:PORT (tev's own: 127.0.0.1:14158)");
     command.add_option("--stats", arguments.stats, "Write times, rays and memory to this JSON file");
 }
 

@@ -2,6 +2,7 @@
 /// What `taut render` is asked for.
 
 #include "frame_job.h"
+#include "image_arguments.h"
 #include "progress.h"
 #include "scene_arguments.h"
 
@@ -21,8 +22,10 @@ struct Shard {
 struct RenderArguments {
     SceneArguments scene;
     ModelArguments model;
+    ImageArguments image;
     std::vector<std::string> outputs;
     std::string only;
+    bool noGround = false;
     int spp = 0;
     std::string time;
     std::optional<std::string> noise;

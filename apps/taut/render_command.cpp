@@ -56,6 +56,11 @@ nlohmann::json toJson(const RayCounts &counts) {
 /// The files that are asked for: patterns of images, and movies.
 struct Outputs {
     std::vector<std::string> images, movies;
+    [[nodiscard]] std::vector<std::string> all() const {
+        std::vector<std::string> paths = images;
+        paths.insert(paths.end(), movies.begin(), movies.end());
+        return paths;
+    }
 };
 
 /// Movies that are there are left out where that is asked for. Throws InputError where a name is of neither kind, or a movie can't be made.
@@ -108,6 +113,7 @@ class FrameNames {
         std::string overrides;
         for (const std::string &define : arguments_.scene.overrides) overrides += (overrides.empty() ? "" : " ") + define;
         head.facts.emplace_back("-D", overrides.empty() ? "none" : overrides);
+        if (scene_.unsaid.scene) head.facts.emplace_back("ground", arguments_.noGround ? "none" : "under it");
         head.facts.emplace_back("model", arguments_.model.model.empty() ? "auto" : arguments_.model.model);
         head.facts.emplace_back("tolerance", arguments_.model.tolerance ? formatNumber(*arguments_.model.tolerance) : "by default");
         head.facts.insert(head.facts.end(), files_.begin(), files_.end());
@@ -122,6 +128,7 @@ class FrameNames {
         head.width = scene_.render.width;
         head.height = scene_.render.height;
         head.window = options_.window.empty() ? Window{0, 0, head.width, head.height} : options_.window;
+        head.image = scene_.image;
         head.metadata = {{"taut:version", TAUT_VERSION},
                          {"taut:seed", std::to_string(scene_.render.seed)},
                          {"taut:frame", std::to_string(frame)},
@@ -168,6 +175,7 @@ int render(RenderArguments &arguments) {
     const std::vector<int> frames = framesOf(arguments, shard, render.frames);
     const Outputs outputs = outputsOf(arguments, shard, render.frames.size());
     if (outputs.images.empty() && outputs.movies.empty()) return 0; // every movie is there
+    loaded.image = imageSettingsOf(arguments.image, loaded.image, outputs.all());
     // How many samples there will be is not known: light is not weighed against noise.
     if ((options.seconds || options.noise) && !arguments.model.tolerance) arguments.model.tolerance = kDefaultTolerance;
 

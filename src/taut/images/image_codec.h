@@ -2,6 +2,9 @@
 /// Image files through OpenImageIO, which is behind this interface in a module of its own: the library with all that it leans on takes
 /// longer to load than most commands take to run, so that it is loaded when an image is first read or written.
 
+#include "taut/images/colour_config.h"
+
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -39,14 +42,16 @@ class ImageDecoder {
     virtual void read(int part, int first, int end, float *values) = 0;
 };
 
-enum class SampleType { UInt8, UInt16, Float };
+enum class SampleType { UInt8, UInt16, Half, Float };
 
-/// What is encoded: `part` gives its windows, channels and attributes; samples are floats, or bytes where `bytes` are given.
+/// What is encoded: `part` gives its windows, channels and attributes; samples are floats, or integers where `bytes` or `words` are given.
 struct ImageToEncode {
     const ImagePart &part;
     SampleType type;
     const float *values = nullptr;
     const unsigned char *bytes = nullptr;
+    const std::uint16_t *words = nullptr;
+    std::vector<SampleType> channelTypes{}; ///< [channels] where they differ; may be empty
 };
 
 class ImageCodec {
@@ -62,6 +67,14 @@ class ImageCodec {
                                                              const std::string &name) const = 0;
     /// The file as bytes: what a full disk says of it is said by who writes them. Throws std::runtime_error likewise.
     [[nodiscard]] virtual std::vector<unsigned char> encode(const std::string &format, const ImageToEncode &image) const = 0;
+
+    // OpenColorIO. All throw std::runtime_error with its reason.
+    /// A file's configuration, or a built-in one: ocio://default.
+    [[nodiscard]] virtual std::unique_ptr<const ColourConfig> openColours(const std::string &path) const = 0;
+    /// From linear Rec. 709 through the ACES output transform for SDR video, by built-in transforms alone.
+    [[nodiscard]] virtual std::unique_ptr<const ColourTransform> acesView(const std::string &display) const = 0;
+    [[nodiscard]] virtual std::vector<std::string> acesDisplays() const = 0; ///< sRGB first
+    [[nodiscard]] virtual std::string colourVersion() const = 0;             ///< "OpenColorIO 2.1.2"
 };
 
 /// Loads the module at the first call; from any thread. Throws RunError where it is not found, with the places where it was looked for:

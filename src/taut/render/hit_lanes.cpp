@@ -255,7 +255,8 @@ PlainMaterial plainMaterial(const PreparedMaterial &prepared) {
         const bool textured = m.alphaX.texture != kNone || m.alphaY.texture != kNone || m.rotation.texture != kNone ||
                               m.anisotropyTexture != kNone || m.anisotropyStrength != 0;
         if (textured || multiscatterOf(m, prepared.multiscatter.model) != Multiscatter::Off) return plain;
-        const RestRoughness rest = restRoughness(m, Scene{}, Vec2(0));
+        static const Scene kNoTextures;
+        const RestRoughness rest = restRoughness(m, kNoTextures, Vec2(0));
         plain.alphaX = rest.alphaX;
         plain.alphaY = rest.alphaY;
         if (rest.rotation != 0) {

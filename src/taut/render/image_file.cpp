@@ -3,26 +3,95 @@
 #include "taut/base/budget.h"
 #include "taut/base/error.h"
 #include "taut/base/file_bytes.h"
-#include "taut/base/srgb.h"
 #include "taut/images/image_codec.h"
+#include "taut/images/view_transform.h"
 #include "taut/scene/exr_guard.h"
 #include "taut/scene/png_guard.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 
 namespace taut {
 
 namespace {
 
-/// The first three channels, 8 bit sRGB.
-std::vector<unsigned char> srgbBytes(const Image &image) {
+/// The first three channels as a display is sent them, in [0, 1].
+std::vector<float> shown(const Image &image, const ViewTransform &view) {
     const std::size_t channels = image.channels.size();
-    std::vector<unsigned char> bytes;
-    bytes.reserve(image.values.size() / channels * 3);
+    std::vector<float> colours;
+    colours.reserve(image.values.size() / channels * 3);
     for (std::size_t first = 0; first + 2 < image.values.size(); first += channels)
-        for (std::size_t c = 0; c < 3; ++c)
-            bytes.push_back(static_cast<unsigned char>(std::lround(255 * srgbFromLinear(image.values[first + c]))));
-    return bytes;
+        colours.insert(colours.end(), image.values.begin() + static_cast<std::ptrdiff_t>(first),
+                       image.values.begin() + static_cast<std::ptrdiff_t>(first + 3));
+    view.apply(colours.data(), colours.size() / 3);
+    return colours;
+}
+
+template <class Integer> std::vector<Integer> quantised(const std::vector<float> &colours) {
+    std::vector<Integer> values;
+    values.reserve(colours.size());
+    for (const float c : colours) values.push_back(static_cast<Integer>(std::lround(std::numeric_limits<Integer>::max() * c)));
+    return values;
+}
+
+/// Finite values that half floats do not reach are held at the largest.
+void holdInHalf(std::vector<float> &values, const std::vector<SampleType> &types) {
+    constexpr float kLargest = 65504;
+    for (std::size_t i = 0; i < values.size(); ++i)
+        if (types[i % types.size()] == SampleType::Half && std::isfinite(values[i])) values[i] = std::clamp(values[i], -kLargest, kLargest);
+}
+
+std::vector<unsigned char> encode(const std::string &path, const std::string &format, const ImageToEncode &content) {
+    const ImageCodec &codec = imageCodec();
+    try {
+        return codec.encode(format, content);
+    } catch (const std::exception &error) {
+        throw RunError(path + ": can't be written: " + error.what());
+    }
+}
+
+ImagePart partOf(const Image &image, const char *space) {
+    ImagePart part;
+    part.width = part.fullWidth = image.window.width();
+    part.height = part.fullHeight = image.window.height();
+    part.channels = {"R", "G", "B"};
+    if (space != nullptr) part.attributes.emplace_back("oiio:ColorSpace", space);
+    part.attributes.emplace_back("DateTime", ""); // the same picture is the same file
+    return part;
+}
+
+std::vector<unsigned char> pngOf(const std::string &path, const Image &image, const Metadata &metadata, const ImageSettings &settings) {
+    const ViewTransform view(settings.view);
+    ImagePart part = partOf(image, view.isSrgb() ? "sRGB" : nullptr);
+    part.attributes.insert(part.attributes.end(), metadata.begin(), metadata.end());
+    part.attributes.insert(part.attributes.end(), view.applied().begin(), view.applied().end());
+    const std::vector<float> colours = shown(image, view);
+    if (settings.pngBits == 16) {
+        const auto words = quantised<std::uint16_t>(colours);
+        return encode(path, "png", {part, SampleType::UInt16, nullptr, nullptr, words.data()});
+    }
+    const auto bytes = quantised<unsigned char>(colours);
+    return encode(path, "png", {part, SampleType::UInt8, nullptr, bytes.data()});
+}
+
+std::vector<unsigned char> exrOf(const std::string &path, const Image &image, const Metadata &metadata, const ImageSettings &settings) {
+    checkCompressionOf(settings.exrCompression, image.channels);
+    ImagePart part = partOf(image, "Linear");
+    part.channels = image.channels;
+    part.x = image.window.x0;
+    part.y = image.window.y0;
+    part.fullWidth = image.width;
+    part.fullHeight = image.height;
+    part.attributes.insert(part.attributes.begin(), {"compression", settings.exrCompression});
+    part.attributes.insert(part.attributes.end(), metadata.begin(), metadata.end());
+    if (!settings.exrHalf) return encode(path, "openexr", {part, SampleType::Float, image.values.data()});
+    std::vector<SampleType> types;
+    for (const std::string &channel : image.channels) types.push_back(isColourChannel(channel) ? SampleType::Half : SampleType::Float);
+    std::vector<float> values = image.values;
+    holdInHalf(values, types);
+    return encode(path, "openexr", {part, SampleType::Float, values.data(), nullptr, nullptr, std::move(types)});
 }
 
 /// Its values fit into the budget; while they are read there are two copies of them.
@@ -47,36 +116,18 @@ bool isImagePath(const std::string &path) {
     return lowerExtension(path) == "exr" || lowerExtension(path) == "png";
 }
 
-void writeImage(const std::string &path, const Image &image, const Metadata &metadata) {
+void writeImage(const std::string &path, const Image &image, const Metadata &metadata, const ImageSettings &settings) {
     makeFolderOf(path);
     OutputFile file(path); // before the work of encoding, so that a folder without room is known at once
     const bool png = lowerExtension(path) == "png";
-    ImagePart part;
-    part.width = part.fullWidth = image.window.width();
-    part.height = part.fullHeight = image.window.height();
-    part.channels = {"R", "G", "B"};
-    if (!png) {
-        part.channels = image.channels;
-        part.x = image.window.x0;
-        part.y = image.window.y0;
-        part.fullWidth = image.width;
-        part.fullHeight = image.height;
-        part.attributes.emplace_back("compression", "zip");
-    }
-    part.attributes.emplace_back("oiio:ColorSpace", png ? "sRGB" : "Linear");
-    part.attributes.emplace_back("DateTime", ""); // the same picture is the same file
-    part.attributes.insert(part.attributes.end(), metadata.begin(), metadata.end());
-    const std::vector<unsigned char> bytes = png ? srgbBytes(image) : std::vector<unsigned char>();
-    const ImageToEncode content{part, png ? SampleType::UInt8 : SampleType::Float, image.values.data(), png ? bytes.data() : nullptr};
-    const ImageCodec &codec = imageCodec();
-    std::vector<unsigned char> encoded;
-    try {
-        encoded = codec.encode(png ? "png" : "openexr", content);
-    } catch (const std::exception &error) {
-        throw RunError(path + ": can't be written: " + error.what());
-    }
+    const std::vector<unsigned char> encoded = png ? pngOf(path, image, metadata, settings) : exrOf(path, image, metadata, settings);
     file.write(encoded.data(), encoded.size());
     file.finish();
+}
+
+void writeImage(const std::string &path, const Image &image, const Metadata &metadata) {
+    static const ImageSettings kDefault;
+    writeImage(path, image, metadata, kDefault);
 }
 
 Image readImage(const std::string &path) {

@@ -1,6 +1,7 @@
 #pragma once
-/// Image files: scene-linear float EXR and sRGB PNG, written beside their name and renamed when whole.
+/// Image files: scene-linear EXR, and PNG for displays, written beside their name and renamed when whole.
 
+#include "taut/images/image_settings.h"
 #include "taut/render/window.h"
 
 #include <string>
@@ -20,7 +21,10 @@ struct Image {
     std::vector<float> values;
 };
 
-/// Writes by extension: .exr (all channels, float, zip) or .png (the first three channels, 8 bit sRGB). Throws RunError.
+/// Writes by extension: .exr, all channels as they are, scene linear, or .png, the first three through the view of the settings, whose
+/// metadata then says what was applied. Throws RunError; InputError where the settings can't be.
+void writeImage(const std::string &path, const Image &image, const Metadata &metadata, const ImageSettings &settings);
+/// With the default settings.
 void writeImage(const std::string &path, const Image &image, const Metadata &metadata = {});
 
 /// Reads an image, all channels as float. Throws InputError.

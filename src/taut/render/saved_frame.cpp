@@ -53,14 +53,30 @@ RayCounts countsFrom(const json &j) {
     return {at(0), at(1), at(2), at(3), at(4)};
 }
 
+json toJson(const ImageSettings &s) {
+    return {{"exposure", s.view.exposure}, {"view", s.view.view},     {"display", s.view.display},
+            {"look", s.view.look},         {"config", s.view.config}, {"space", s.view.space},
+            {"exr_half", s.exrHalf},       {"png_bits", s.pngBits},   {"compression", s.exrCompression}};
+}
+
+ImageSettings settingsFrom(const json &j) {
+    ImageSettings s;
+    const auto text = [&](const char *key) { return j.at(key).get<std::string>(); };
+    s.view = {j.at("exposure").get<double>(), text("view"), text("display"), text("look"), text("config"), text("space")};
+    s.exrHalf = j.at("exr_half").get<bool>();
+    s.pngBits = j.at("png_bits").get<int>() == 16 ? 16 : 8;
+    s.exrCompression = text("compression");
+    return s;
+}
+
 std::string textOf(const SavedHead &head) {
-    const json j{{"facts", head.facts},          {"by", nameOf(head.part.by)},
-                 {"part", head.part.index},      {"parts", head.part.count},
-                 {"frame", head.frame},          {"width", head.width},
-                 {"height", head.height},        {"window", {head.window.x0, head.window.y0, head.window.x1, head.window.y1}},
-                 {"metadata", head.metadata},    {"done", head.done},
-                 {"seconds", head.seconds},      {"times", toJson(head.times)},
-                 {"counts", toJson(head.counts)}};
+    const json j{{"facts", head.facts},         {"by", nameOf(head.part.by)},
+                 {"part", head.part.index},     {"parts", head.part.count},
+                 {"frame", head.frame},         {"width", head.width},
+                 {"height", head.height},       {"window", {head.window.x0, head.window.y0, head.window.x1, head.window.y1}},
+                 {"metadata", head.metadata},   {"image", toJson(head.image)},
+                 {"done", head.done},           {"seconds", head.seconds},
+                 {"times", toJson(head.times)}, {"counts", toJson(head.counts)}};
     return j.dump(-1, ' ', false, json::error_handler_t::replace);
 }
 
@@ -75,6 +91,7 @@ SavedHead headFrom(const std::string &text) {
     const auto window = j.at("window").get<std::array<int, 4>>();
     head.window = {window[0], window[1], window[2], window[3]};
     head.metadata = j.at("metadata").get<Metadata>();
+    if (j.contains("image")) head.image = settingsFrom(j.at("image")); // else of before there were any
     head.done = j.at("done").get<bool>();
     head.seconds = j.at("seconds").get<double>();
     head.times = timesFrom(j.at("times"));

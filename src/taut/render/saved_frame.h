@@ -4,6 +4,7 @@
 ///
 /// The file: "taut saved frame 1\n", one line of JSON, what FrameRender::save() writes, the hash of all that (checked_stream.h).
 
+#include "taut/images/image_settings.h"
 #include "taut/render/frame_render.h"
 
 #include <string>
@@ -36,6 +37,7 @@ struct SavedHead {
     int width = 0, height = 0; ///< of the image, pixels
     Window window;             ///< pixels that are rendered, of all parts together
     Metadata metadata;         ///< of its image, as far as it does not follow from the film
+    ImageSettings image;       ///< how that is to be seen and stored; the sums do not depend on it
     bool done = false;
     // So far, over all processes that worked on it.
     double seconds = 0;

@@ -47,11 +47,13 @@ Environment constantEnvironment(const Vec3 &radiance);
 
 /// Reads a map of radiance (readRadiance, which holds and counts single negative and not finite texels) and multiplies it by `scale`.
 /// Throws InputError where that leaves float's range, or `budget` has not the memory (null: one of its own).
-Environment readEnvironment(const std::string &path, double rotation, const Vec3 &scale, Warnings &warnings,
-                            Budget *budget = nullptr);
+Environment readEnvironment(const std::string &path, double rotation, const Vec3 &scale, Warnings &warnings, Budget *budget = nullptr);
 
 /// The built-in studio: soft boxes over a dim gradient, made here by formula.
 Environment studioEnvironment();
+/// The neutral one that goes with a ground (ground.h): grey all round, so that the ground can fade into it, and white soft boxes outside
+/// the framed view.
+Environment neutralStudioEnvironment();
 
 /// Fills the sampling tables; called by the makers above. A map that is black throughout becomes a constant. Call it again
 /// after texels change.

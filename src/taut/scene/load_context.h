@@ -37,7 +37,7 @@ struct LoadContext {
 
     Scene scene;
     Warnings &warnings;
-    SceneCache &cache;  ///< every file is read once
+    SceneCache &cache;                        ///< every file is read once
     std::string folder;                       ///< relative paths start here
     std::map<std::string, GivenMesh> given{}; ///< SceneTree::meshes
 
@@ -46,7 +46,7 @@ struct LoadContext {
     std::map<std::string, Index> textures{};  ///< by path and decoding
     std::map<std::string, Index> materials{}; ///< [material.NAME] by name
     std::map<std::pair<const GltfFile *, Index>, Index> gltfMaterials{};
-    UniqueNames objectNames{};                                  ///< of objects, and of glTF entries, whose objects are named entry/node
+    UniqueNames objectNames{}; ///< of objects, and of glTF entries, whose objects are named entry/node
     Index defaultMaterial = kNone;
     bool meshLights = false;              ///< [[light]] makes a mesh shine
     const TomlValue *wholeClip = nullptr; ///< frames = "clip"
@@ -71,6 +71,7 @@ double firstFrame(const Scene &scene);
 
 // --- sections of a scene file ----------------------------------------------------------------------------------------
 void loadRender(LoadContext &context, const TomlValue &section);
+void loadImage(LoadContext &context, const TomlValue &section);
 /// [[light]]: appends a light, or makes objects emit.
 void loadLights(LoadContext &context, const TomlValue &section);
 void loadEnvironment(LoadContext &context, const TomlValue &section);

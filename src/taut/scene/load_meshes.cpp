@@ -7,6 +7,7 @@
 #include "taut/formats/read_mesh.h"
 #include "taut/scene/load_context.h"
 #include "taut/scene/memory_estimate.h"
+#include "taut/scene/upright.h"
 
 #include <algorithm>
 #include <charconv>
@@ -191,8 +192,7 @@ Placement loadPlacement(TableReader &table, bool yUpByDefault) {
     if (const TomlValue *scale = table.find("scale")) placement.scale = toKeyedTriple(*scale, kAnyNumber);
     bool yUp = yUpByDefault;
     table.read("up", yUp, oneOf<bool>({{"z", false}, {"y", true}}));
-    // (x, y, z) -> (x, -z, y): a quarter turn about x.
-    if (yUp) placement.worldFromUp = DMat4(1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1);
+    if (yUp) placement.worldFromUp = kWorldFromYUp;
     return placement;
 }
 
@@ -214,6 +214,7 @@ void loadMeshes(LoadContext &context, const TomlValue &section) {
         table.read("rest", object.rest, toRest);
         if (const TomlValue *deform = table.find("deform")) object.deformers = loadDeformers(*context.budget(), *deform);
         object.placement = loadPlacement(table, isGltfPath(file.text));
+        context.scene.unsaid.up = !isGltfPath(file.text) && table.find("up") == nullptr && table.find("rotate_deg") == nullptr;
         if (given != context.given.end())
             addGiven(context, table, given->second, std::move(object));
         else if (isGltfPath(file.text))

@@ -99,8 +99,9 @@ Scene load(SceneTree tree, const std::vector<std::string> &overrides, Warnings &
     context.given = std::move(tree.meshes);
     context.scene.path = tree.name;
     context.scene.budget = cache.memory ? std::make_shared<Budget>(*cache.memory) : budget ? std::move(budget) : std::make_shared<Budget>();
-    TableReader table(tree.root, "with the sections of a scene", {"render", "camera", "environment", "light", "material", "mesh"});
+    TableReader table(tree.root, "with the sections of a scene", {"render", "image", "camera", "environment", "light", "material", "mesh"});
     if (const TomlValue *section = table.find("render")) loadRender(context, *section);
+    if (const TomlValue *section = table.find("image")) loadImage(context, *section);
     if (const TomlValue *section = table.find("material")) loadMaterials(context, *section);
     if (const TomlValue *section = table.find("mesh")) loadMeshes(context, *section);
     if (const TomlValue *section = table.find("light")) loadLights(context, *section);
@@ -109,7 +110,8 @@ Scene load(SceneTree tree, const std::vector<std::string> &overrides, Warnings &
         context.scene.environment.emplace();
     else if (sky != nullptr)
         loadEnvironment(context, *sky);
-    if (!isLit(context.scene, context.meshLights)) context.scene.environment = studioEnvironment();
+    context.scene.unsaid.light = !isLit(context.scene, context.meshLights);
+    if (context.scene.unsaid.light) context.scene.environment = studioEnvironment();
     loadCamera(context, table.find("camera"), isGltfPath(tree.name) ? tree.name : "");
     if (context.wholeClip != nullptr) setClipFrames(*context.wholeClip, context.scene);
     for (const Object &object : context.scene.objects)
@@ -133,11 +135,12 @@ std::shared_ptr<SceneCache> makeSceneCache() {
     return std::make_shared<SceneCache>();
 }
 
-Scene loadScene(const std::string &path, const std::vector<std::string> &overrides, Warnings &warnings, SceneCache &cache,
-                bool environment, std::shared_ptr<Budget> budget) {
+Scene loadScene(const std::string &path, const std::vector<std::string> &overrides, Warnings &warnings, SceneCache &cache, bool environment,
+                std::shared_ptr<Budget> budget) {
     SceneTree tree{readRoot(path), path, std::filesystem::path(path).parent_path().string(), {}};
     Scene scene = load(std::move(tree), overrides, warnings, cache, environment, std::move(budget));
-    if (lowerExtension(path) == "toml") scene.inputs.insert(path);
+    scene.unsaid.scene = lowerExtension(path) != "toml";
+    if (!scene.unsaid.scene) scene.inputs.insert(path);
     return scene;
 }
 

@@ -125,6 +125,7 @@ void loadCamera(LoadContext &context, const TomlValue *section, const std::strin
         table.read("up", camera.up, keyedVec3In());
         table.read("position", camera.position, keyedVec3In());
         table.read("look_at", camera.lookAt, keyedVec3In());
+        context.scene.unsaid.camera = !aimed;
         if (!aimed) frameCamera(context.scene, camera);
         failOn(table.where(), mistakeInView(camera, context.scene.render.frames));
     }

@@ -50,6 +50,7 @@ inline constexpr Range kFps{0, 1e6, true};
 inline constexpr IntegerRange kSeed{0, 0xffffffff};
 inline constexpr Range kShutter{0, 1000};
 inline constexpr IntegerRange kMotionSteps{2, 128};
+inline constexpr Range kStops{-50, 50};
 inline constexpr Range kFieldOfView{0.01, 179}; ///< degrees
 inline constexpr Range kConeAngle{0, 90};       ///< degrees
 

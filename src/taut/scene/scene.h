@@ -9,6 +9,7 @@
 #include "taut/deform/point_source.h"
 #include "taut/deform/rig_poses.h"
 #include "taut/deform/surface_motion.h"
+#include "taut/images/image_settings.h"
 #include "taut/mesh/mesh.h"
 #include "taut/mesh/subdivide.h"
 #include "taut/scene/environment.h"
@@ -150,12 +151,22 @@ struct SceneFile {
     std::string leftOut;                               ///< what is used and the picture does not show, with counts
 };
 
+/// What a loader filled in because nobody said it: what a ground under a bare file may replace (ground.h).
+struct Unsaid {
+    bool scene = false;  ///< the file is a mesh or glTF file alone
+    bool up = false;     ///< no file says which way is up, nor anyone else
+    bool camera = false; ///< it is framed
+    bool light = false;  ///< it is the built-in studio's
+};
+
 struct Scene {
     std::string path;
+    Unsaid unsaid;
     std::shared_ptr<Budget> budget; ///< what it may ask for; null: as much as it likes
-    std::vector<SceneFile> files; ///< in the order of their reading
-    std::set<std::string> inputs; ///< paths of all files that decide the picture: read already, or to be read at some frame
+    std::vector<SceneFile> files;   ///< in the order of their reading
+    std::set<std::string> inputs;   ///< paths of all files that decide the picture: read already, or to be read at some frame
     RenderSettings render;
+    ImageSettings image;
     Camera camera;
     std::optional<Environment> environment;
     std::vector<Light> lights;

@@ -63,9 +63,28 @@ Vec3 room(const Vec3 &w) {
     return glm::mix(below, above, smoothStep(w.z / 0.12F + 0.5F));
 }
 
-} // namespace
+// The neutral studio: no colour but that of the object, and a backdrop that is one grey from the floor up to where a framed view ends.
+const SoftBox kNeutralBoxes[] = {
+    // key: a large cloth overhead and to the left, for soft shadows
+    {Vec3(-0.75F, -0.45F, 1.0F), Vec3(0.5F, -1, 0), 0.72F, 0.34F, 0.12F, Vec3(6.0F)},
+    // rim: upright, behind to the right
+    {Vec3(0.8F, 0.9F, 0.40F), Vec3(1, -0.9F, 0), 0.20F, 0.75F, 0.08F, Vec3(3.0F)},
+    // fill: large and weak, right of the camera
+    {Vec3(1.0F, -0.75F, 0.30F), Vec3(0.75F, 1, 0), 0.45F, 0.60F, 0.30F, Vec3(0.45F)},
+    // kicker: a strip to the left, outside the view of a camera that looks along +y
+    {Vec3(-1.0F, 0.05F, 0.25F), Vec3(0.05F, 1, 0), 0.10F, 0.60F, 0.06F, Vec3(1.8F)},
+};
 
-Environment studioEnvironment() {
+Vec3 neutralRoom(const Vec3 &w) {
+    constexpr float kBackdrop = 0.30F;
+    constexpr float kCeiling = 0.06F;
+    constexpr float kBehind = 0.04F; // the dark of a studio behind the camera gives metal its contrast
+    const float around = smoothStep(0.5F + 0.9F * glm::dot(Vec2(w.x, w.y), glm::normalize(Vec2(-0.5F, 1.0F))));
+    const float wall = glm::mix(kBehind, kBackdrop, around);
+    return Vec3(glm::mix(wall, kCeiling, smoothStep(1.4F * w.z - 0.1F)));
+}
+
+template <std::size_t N> Environment environmentOf(Vec3 (*room)(const Vec3 &), const SoftBox (&boxes)[N]) {
     Environment e;
     e.width = kWidth;
     e.height = kHeight;
@@ -77,12 +96,22 @@ Environment studioEnvironment() {
             const float azimuth = 2 * kPi * (0.5F - (static_cast<float>(column) + 0.5F) / kWidth);
             const Vec3 w(std::sin(theta) * std::cos(azimuth), std::sin(theta) * std::sin(azimuth), std::cos(theta));
             Vec3 sum = glm::max(room(w), Vec3(0.05F));
-            for (const SoftBox &box : kBoxes) sum = glm::mix(sum, box.radiance, coverage(box, w));
+            for (const SoftBox &box : boxes) sum = glm::mix(sum, box.radiance, coverage(box, w));
             e.texels[row * kWidth + static_cast<std::size_t>(column)] = sum;
         }
     });
     buildSampling(e);
     return e;
+}
+
+} // namespace
+
+Environment studioEnvironment() {
+    return environmentOf(room, kBoxes);
+}
+
+Environment neutralStudioEnvironment() {
+    return environmentOf(neutralRoom, kNeutralBoxes);
 }
 
 } // namespace taut

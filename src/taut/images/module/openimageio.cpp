@@ -1,5 +1,7 @@
 /// The module: OpenImageIO as an ImageCodec. It shares nothing with the library but the interface.
 
+#include "opencolorio.h"
+
 #include "taut/images/image_codec.h"
 
 #include <OpenImageIO/filesystem.h>
@@ -77,6 +79,7 @@ OIIO::TypeDesc typeOf(SampleType type) {
     switch (type) {
     case SampleType::UInt8: return OIIO::TypeDesc::UINT8;
     case SampleType::UInt16: return OIIO::TypeDesc::UINT16;
+    case SampleType::Half: return OIIO::TypeDesc::HALF;
     case SampleType::Float: break;
     }
     return OIIO::TypeDesc::FLOAT;
@@ -92,6 +95,7 @@ class OpenImageIo final : public ImageCodec {
         const ImagePart &part = image.part;
         OIIO::ImageSpec spec(part.width, part.height, part.channelCount(), typeOf(image.type));
         spec.channelnames = part.channels;
+        for (const SampleType type : image.channelTypes) spec.channelformats.push_back(typeOf(type));
         spec.x = part.x;
         spec.y = part.y;
         spec.full_x = part.fullX;
@@ -106,11 +110,17 @@ class OpenImageIo final : public ImageCodec {
         OIIO::Filesystem::IOVecOutput memory(encoded);
         if (!output->set_ioproxy(&memory)) fail("its writer does not write to memory");
         bool written = output->open("image." + format, spec);
-        written = written && (image.bytes != nullptr ? output->write_image(OIIO::TypeDesc::UINT8, image.bytes)
-                                                     : output->write_image(OIIO::TypeDesc::FLOAT, image.values));
+        written = written && (image.bytes != nullptr   ? output->write_image(OIIO::TypeDesc::UINT8, image.bytes)
+                              : image.words != nullptr ? output->write_image(OIIO::TypeDesc::UINT16, image.words)
+                                                       : output->write_image(OIIO::TypeDesc::FLOAT, image.values));
         if (!written || !output->close()) fail(output->geterror());
         return encoded;
     }
+
+    std::unique_ptr<const ColourConfig> openColours(const std::string &path) const override { return openColourConfig(path); }
+    std::unique_ptr<const ColourTransform> acesView(const std::string &display) const override { return makeAcesView(display); }
+    std::vector<std::string> acesDisplays() const override { return namesOfAcesDisplays(); }
+    std::string colourVersion() const override { return versionOfOpenColorIo(); }
 };
 
 } // namespace
