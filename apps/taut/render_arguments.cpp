@@ -161,9 +161,11 @@ void addSampleArguments(CLI::App &command, RenderArguments &arguments) {
     command
         .add_option("--aov", arguments.aovs,
                     "Extra channels: depth, albedo, normal, shading_normal, facet_normal, position, rest_position, uv, m, lean, stretch, "
-                    "alpha, all")
+                    "alpha, all (of these); crypto_object, crypto_material, lights, samples, variance")
         ->delimiter(',')
         ->allow_extra_args(false);
+    command.add_option("--crypto-ranks", arguments.cryptoRanks, "Objects, or materials, that Cryptomatte tells apart in a pixel: 2, 4, ... 32 (default: 6)")
+        ->check(CLI::IsMember({2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30, 32}));
 }
 
 void addRenderArguments(CLI::App &command, RenderArguments &arguments) {

@@ -30,6 +30,7 @@ struct RenderArguments {
     bool fixedSeed = false;
     std::string crop;
     std::vector<std::string> aovs;
+    int cryptoRanks = 0; ///< 0: as many as usual
     std::string checkpoint, timeLimit;
     bool resume = false;
     bool skipExisting = false;

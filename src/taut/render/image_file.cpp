@@ -46,7 +46,8 @@ void writeImage(const std::string &path, const Image &image, const Metadata &met
     }
     part.attributes.emplace_back("oiio:ColorSpace", png ? "sRGB" : "Linear");
     part.attributes.emplace_back("DateTime", ""); // the same picture is the same file
-    part.attributes.insert(part.attributes.end(), metadata.begin(), metadata.end());
+    for (const auto &entry : metadata) // ids are in EXR files alone
+        if (!png || !entry.first.starts_with("cryptomatte/")) part.attributes.push_back(entry);
     const std::vector<unsigned char> bytes = png ? srgbBytes(image) : std::vector<unsigned char>();
     const ImageToEncode content{part, png ? SampleType::UInt8 : SampleType::Float, image.values.data(), png ? bytes.data() : nullptr};
     const ImageCodec &codec = imageCodec();
