@@ -40,6 +40,7 @@ std::vector<std::string> renderWords(const RenderArguments &a) {
     add("--noise", a.noise.value_or(""));
     if (a.seed) add("--seed", std::to_string(*a.seed));
     if (a.fixedSeed) words.emplace_back("--fixed-seed");
+    if (a.independent) words.emplace_back("--independent");
     add("--crop", a.crop);
     for (const std::string &aov : a.aovs) add("--aov", aov);
     if (a.cryptoRanks > 0) add("--crypto-ranks", std::to_string(a.cryptoRanks));

@@ -84,6 +84,7 @@ Scene sceneOf(const RenderArguments &arguments) {
 FrameOptions optionsOf(const RenderArguments &arguments, const RenderSettings &render) {
     FrameOptions options;
     options.spp = render.spp;
+    options.independent = arguments.independent;
     if (!arguments.time.empty()) {
         options.seconds = parseDuration("--time", arguments.time);
         if (arguments.spp == 0) options.spp = 1 << 16;
@@ -157,6 +158,8 @@ void addSampleArguments(CLI::App &command, RenderArguments &arguments) {
                        "--spp is the upper bound (default: 1024, or the scene's if that is more)");
     command.add_option("--seed", arguments.seed, "Seed of all random numbers");
     command.add_flag("--fixed-seed", arguments.fixedSeed, "The same random numbers in every frame");
+    command.add_flag("--independent", arguments.independent,
+                     "Samples of a pixel know nothing of one another: noisier, but variance is without bias and t-tests hold");
     command.add_option("--crop", arguments.crop, "Render only the pixels x0,y0,x1,y1 (x1, y1 excluded)");
     command
         .add_option("--aov", arguments.aovs,

@@ -28,6 +28,7 @@ struct RenderArguments {
     std::optional<std::string> noise;
     std::optional<std::uint32_t> seed;
     bool fixedSeed = false;
+    bool independent = false;
     std::string crop;
     std::vector<std::string> aovs;
     int cryptoRanks = 0; ///< 0: as many as usual

@@ -60,7 +60,7 @@ std::vector<std::string> FilmLayers::words() const {
     std::vector<std::string> words;
     for (const NamedLayer &layer : kLayers)
         if (this->*layer.asked) words.emplace_back(layer.name);
-    if (objects || materials) words.push_back(std::string(kRanks) + std::to_string(ranks));
+    if (objects || materials || ranks != FilmLayers().ranks) words.push_back(std::string(kRanks) + std::to_string(ranks));
     for (const std::string &group : lightGroups) words.push_back(std::string(kGroup) + group);
     return words;
 }
@@ -124,7 +124,8 @@ void LayerSums::add(std::size_t pixel, const Vec3 &radiance, const LayerSample &
     // A group's float is rounded in another order than the sample's: the brightest takes what is left over, so that sums agree.
     const std::span<const Vec3> parts(sample.lights, asked_.lightGroups.size());
     const auto brightest = static_cast<std::size_t>(
-        std::max_element(parts.begin(), parts.end(), [](const Vec3 &a, const Vec3 &b) { return luminance(a) < luminance(b); }) - parts.begin());
+        std::max_element(parts.begin(), parts.end(), [](const Vec3 &a, const Vec3 &b) { return luminance(a) < luminance(b); }) -
+        parts.begin());
     ExactSum *sums = &lights_[pixel * lightSums()];
     for (int c = 0; c < 3; ++c) {
         ExactSum rest;

@@ -82,7 +82,7 @@ struct FrameRender::State {
               const RenderSettings &render = scene_.scene().render;
               return Worker{PathTracer(scene_, materials,
                                        {render.width, render.height, render.maxEvents, render.boxFilter, options.seed, options.record,
-                                        film.layers().hasSums() ? &layers : nullptr, options.oneByOne}),
+                                        film.layers().hasSums() ? &layers : nullptr, options.independent, options.oneByOne}),
                             {},
                             {},
                             {}};

@@ -67,9 +67,9 @@ struct PathTracer::State {
     std::vector<unsigned char> blocked;
 
     // Layers of the film, where they are asked for.
-    std::vector<Vec3> groupLight;         ///< [paths x groups]
-    std::vector<Index> shadowGroups;      ///< [shadowTests]
-    std::vector<LayerSample> firstHits;   ///< [paths] ids alone
+    std::vector<Vec3> groupLight;       ///< [paths x groups]
+    std::vector<Index> shadowGroups;    ///< [shadowTests]
+    std::vector<LayerSample> firstHits; ///< [paths] ids alone
 
     // Hits that are shaded at once.
     std::vector<PlainMaterial> plainMaterials; ///< [materials]

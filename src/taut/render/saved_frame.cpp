@@ -211,7 +211,7 @@ FrameFacts settingFacts(const Scene &scene, const FrameOptions &whole, int frame
             {"samples a pixel", text(whole.spp)},
             {"noise level", whole.noise ? formatNumber(*whole.noise) : "none"},
             {"time a frame", whole.seconds ? formatNumber(*whole.seconds) + " s" : "any"},
-            {"seed", text(whole.seed)},
+            {"seed", text(whole.seed) + (whole.independent ? ", samples independent" : "")},
             {"AOVs", aovs.empty() ? "none" : aovs}};
 }
 

@@ -19,6 +19,7 @@ struct TraceSettings {
     std::uint32_t seed = 0; ///< of this frame
     RayRecord *record = nullptr;
     const LayerTables *layers = nullptr; ///< by what a film's layers are found; null: it has none with sums
+    bool independent = false; ///< no sample knows of the others of its pixel: noisier, and what statistics of independent samples are held to
     bool oneByOne = false; ///< shade no hits at once (hit_lanes.h): to measure, and to test that nothing changes
 };
 

@@ -119,7 +119,8 @@ Index lightGroup(LoadContext &context, const TomlValue &value) {
     const bool isName = !name.empty() && name.size() <= kLongest && std::all_of(name.begin(), name.end(), [](char c) {
         return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
     });
-    if (!isName) failInput(value.where, quoted(name), "a name of 1 to 40 letters of ASCII, digits and underscores, which layers of images may have");
+    if (!isName)
+        failInput(value.where, quoted(name), "a name of 1 to 40 letters of ASCII, digits and underscores, which layers of images may have");
     std::vector<std::string> &groups = context.scene.lightGroups;
     const auto found = std::find(groups.begin(), groups.end(), name);
     if (found != groups.end()) return static_cast<Index>(found - groups.begin());
