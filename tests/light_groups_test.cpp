@@ -118,7 +118,7 @@ TEST_CASE("lights: a group is what its lights alone send", "[lights]") {
 TEST_CASE("lights: groups in scene files, by default and by name", "[lights][scene]") {
     const std::string folder = sceneFolder("light_groups");
     const auto groupsOf = [&](const std::string &toml) {
-        writeBytes(folder + "/scene.toml", toml);
+        writeTo(folder, "scene.toml", toml);
         Warnings warnings;
         return lightGroupNames(loadScene(folder + "/scene.toml", {}, warnings));
     };
