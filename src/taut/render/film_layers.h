@@ -45,9 +45,6 @@ struct FilmContents {
 };
 FilmContents filmContentsNamed(std::span<const std::string> names, std::string_view option);
 
-/// Layers of a channel's name that hold ids, whose bits no encoding may change.
-inline bool isMatteChannel(std::string_view channel) { return channel.starts_with("Crypto"); }
-
 /// One sample as layers take it.
 struct LayerSample {
     std::uint32_t object = 0, material = 0; ///< ids of the first surface; 0: none (matte_id.h)
