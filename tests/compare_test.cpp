@@ -4,10 +4,12 @@
 
 #include "study/measures/flip.h"
 #include "study/measures/image_error.h"
+#include "study/measures/welch.h"
 
 #include <nlohmann/json.hpp>
 
 #include <cmath>
+#include <iostream>
 
 using namespace taut;
 using namespace taut::test;
@@ -114,4 +116,70 @@ TEST_CASE("compare: the command", "[compare][cli]") {
     checkUsageError(runTaut({"compare", place.path("large.png"), place.path("b.exr")}), "large.png: found");
     writeBytes(place.path("long.exr"), std::string("\x76\x2f\x31\1\2\0\0\0a\0b\0\xff\xff\xff\x7f", 16));
     checkUsageError(runTaut({"compare", place.path("long.exr"), place.path("b.exr")}), "OpenEXR attribute of 2147483647 bytes");
+}
+
+TEST_CASE("t-test: Student's tables, Welch's degrees of freedom, and a count by chance", "[compare]") {
+    for (const auto &[freedom, bound] :
+         {std::pair{1.0, 12.7062047}, {2.0, 4.30265273}, {4.0, 2.77644511}, {10.0, 2.22813885}, {100.0, 1.98397152}})
+        CHECK(chart::studentTail(bound, freedom) == Approx(0.05).epsilon(1e-6));
+    CHECK(chart::studentTail(1.95996398, HUGE_VAL) == Approx(0.05).epsilon(1e-6));
+    CHECK(chart::studentTail(-1, 1) == Approx(0.5));
+    CHECK(chart::studentTail(1e6, 1e6) == Approx(0).margin(1e-12));
+    // Variances of means 0.04 of 5 and 0.09 of 9 samples: t = 1 / sqrt(0.13); freedom 0.13^2 / (0.04^2 / 4 + 0.09^2 / 8) = 11.96.
+    const std::vector<float> a{3};
+    const std::vector<float> b{2};
+    const std::vector<float> va{0.04F};
+    const std::vector<float> vb{0.09F};
+    const std::vector<float> na{5};
+    const std::vector<float> nb{9};
+    const double t = 1 / std::sqrt(0.13);
+    const double tail = chart::studentTail(t, 0.0169 / (0.0016 / 4 + 0.0081 / 8));
+    for (const double level : {tail * 0.999, tail * 1.001}) {
+        const chart::WelchTest test = chart::welchTest({a, va, na}, {b, vb, nb}, level);
+        CHECK(test.tested == 1);
+        CHECK(test.greatest == Approx(t));
+        CHECK(test.beyond == (level > tail ? 1U : 0U));
+    }
+    // Without a variance: the same is not tested, what differs is beyond.
+    const std::vector<float> two{1, 2};
+    const std::vector<float> other{1, 3};
+    const std::vector<float> none{0, 0};
+    const chart::WelchTest sure = chart::welchTest({two, none, {}}, {other, none, {}});
+    CHECK(sure.tested == 1);
+    CHECK(sure.beyond == 1);
+}
+
+TEST_CASE("compare: two seeds differ by chance, two scenes do not", "[compare][cli]") {
+    const Workplace place("compare_t");
+    const auto render = [&](const std::string &name, const Arguments &more) {
+        Arguments words{"render", place.scene,        "-q", "--spp",         "32", "-D", "render.width=96", "-D", "render.height=64",
+                        "--aov",  "samples,variance", "-o", place.path(name)};
+        words.insert(words.end(), more.begin(), more.end());
+        requireSuccess(runTaut(words));
+    };
+    render("a.exr", {"--independent"});
+    render("b.exr", {"--independent", "--seed", "1"});
+    render("c.exr", {"--independent", "--seed", "2", "-D", "light.0.radiance=15"});
+    render("d.exr", {"--seed", "3"});
+    render("e.exr", {"--seed", "4"});
+    const auto test = [&](const std::string &x, const std::string &y) {
+        const CommandResult said = runTaut({"compare", place.path(x), place.path(y), "--json"});
+        requireSuccess(said);
+        nlohmann::json result = nlohmann::json::parse(said.out)["t_test"];
+        std::cout << x << " against " << y << ": " << result << std::endl;
+        return result;
+    };
+    const nlohmann::json same = test("a.exr", "b.exr");
+    CHECK(same["tested"] > 2000);
+    CHECK(same["by_chance"] == Approx(0.05 * same["tested"].get<double>()));
+    CHECK(same["share"].get<double>() == Approx(0.05).margin(0.02));
+    CHECK(test("a.exr", "c.exr")["share"] > 0.5);
+    CHECK(test("d.exr", "e.exr")["share"] < 0.05); // points that stratify one another are better than their variance says
+    const std::string line = runTaut({"compare", place.path("a.exr"), place.path("b.exr"), "-o", place.path("t.exr")}).out;
+    CHECK(line.find("values beyond the 5 % bound") != std::string::npos);
+    const Image picture = readImage(place.path("t.exr"));
+    CHECK(std::fabs(meanOf(picture, "T.G")) < 0.2);
+    // Without variances there is no test.
+    requireSuccess(runTaut({"render", place.scene, "-q", "--spp", "4", "-o", place.path("plain.exr")}));
+    CHECK(runTaut({"compare", place.path("plain.exr"), place.path("plain.exr")}).out.find("t-test") == std::string::npos);
 }

@@ -4,6 +4,8 @@
 #include "catch.h"
 #include "render_fixtures.h"
 
+#include "study/measures/image_error.h"
+
 using namespace taut;
 using namespace taut::test;
 
@@ -24,17 +26,6 @@ std::vector<float> imageAt(RenderScene &ready, double frame, int spp) {
     options.spp = spp;
     options.seed = 1;
     return renderFrame(ready, options).film.resolve();
-}
-
-/// Root mean square of the difference over that of b.
-double relativeRms(const std::vector<float> &a, const std::vector<float> &b) {
-    double difference = 0;
-    double square = 0;
-    for (std::size_t i = 0; i < a.size(); ++i) {
-        difference += sqr(static_cast<double>(a[i]) - static_cast<double>(b[i]));
-        square += sqr(static_cast<double>(b[i]));
-    }
-    return std::sqrt(difference / square);
 }
 
 double meanOf(const std::vector<float> &rgba) {
@@ -63,7 +54,7 @@ TEST_CASE("A frame of a rigid animation is the frame rendered by itself", "[rend
     RenderScene alone(scene, false);
     // Rounding differs, and with it the odd path at an edge.
     INFO("blurred " << blurred << ", mirrored " << mirrored << ", emits " << emits);
-    CHECK(relativeRms(third, imageAt(alone, 3, 64)) < 0.02);
+    CHECK(chart::relativeRms(third, imageAt(alone, 3, 64)) < 0.02);
     CHECK(meanOf(third) == Approx(meanOf(imageAt(alone, 3, 64))).epsilon(2e-3));
 }
 
@@ -83,7 +74,7 @@ TEST_CASE("A mesh modelled far from its origin is as sharp as one modelled at it
     far.objects[0].placement.translation = Keyed<DVec3>(-DVec3(away));
     RenderScene a(still, true);
     RenderScene b(far, true);
-    CHECK(relativeRms(imageAt(b, 1, 64), imageAt(a, 1, 64)) < 0.02);
+    CHECK(chart::relativeRms(imageAt(b, 1, 64), imageAt(a, 1, 64)) < 0.02);
 }
 
 TEST_CASE("Large triangles close by do not shade themselves", "[render][rigid][precision]") {

@@ -2,6 +2,7 @@
 
 #include "cli_fixtures.h"
 
+#include "study/measures/image_error.h"
 #include "taut/base/vec.h"
 
 #include <iostream>
@@ -30,13 +31,7 @@ void writeFloats(const std::string &path, int side, const std::vector<float> &te
 
 double relativeError(const std::vector<float> &image, const std::vector<float> &reference) {
     REQUIRE(image.size() == reference.size());
-    double error = 0;
-    double power = 0;
-    for (std::size_t i = 0; i < image.size(); ++i) {
-        error += sqr(static_cast<double>(image[i]) - static_cast<double>(reference[i]));
-        power += sqr(static_cast<double>(reference[i]));
-    }
-    return error / power;
+    return sqr(chart::relativeRms(image, reference));
 }
 
 } // namespace

@@ -3,6 +3,7 @@
 #include "catch.h"
 #include "render_fixtures.h"
 
+#include "study/measures/image_error.h"
 #include "study/scenes/relief.h"
 
 #include "taut/export/gloss_export.h"
@@ -25,22 +26,8 @@ Material mappedMaterial(float alphaX, float alphaY) {
     return material;
 }
 
-double meanOf(const std::vector<float> &values) {
-    double sum = 0;
-    for (const float v : values) sum += static_cast<double>(v);
-    return sum / static_cast<double>(values.size());
-}
-
-/// Of the first `count` of `stride` channels.
 double relativeError(const std::vector<float> &image, const std::vector<float> &reference) {
-    double error = 0;
-    double power = 0;
-    for (std::size_t i = 0; i < image.size(); ++i) {
-        if (i % 4 == 3) continue;
-        error += sqr(static_cast<double>(image[i]) - static_cast<double>(reference[i]));
-        power += sqr(static_cast<double>(reference[i]));
-    }
-    return error / power;
+    return sqr(chart::relativeRms(coloursOf(image), coloursOf(reference)));
 }
 
 /// A mapped white mirror of a sphere that fills the picture.

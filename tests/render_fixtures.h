@@ -101,6 +101,14 @@ inline std::vector<float> renderImage(const Scene &scene, double frame, int spp,
     return result.film.resolve();
 }
 
+/// R G B of R G B A.
+inline std::vector<float> coloursOf(const std::vector<float> &rgba) {
+    std::vector<float> rgb;
+    for (std::size_t i = 0; i < rgba.size(); ++i)
+        if (i % 4 < 3) rgb.push_back(rgba[i]);
+    return rgb;
+}
+
 /// Largest |a - b| / max(|a|, |b|, floor) over all values.
 inline float greatestDifference(const std::vector<float> &a, const std::vector<float> &b, float floor = 1e-3F) {
     if (a.size() != b.size()) return kInfinity;

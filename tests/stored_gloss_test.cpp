@@ -4,8 +4,9 @@
 #include "command.h"
 #include "render_fixtures.h"
 
-#include "taut/formats/read_mesh.h"
+#include "study/measures/image_error.h"
 #include "taut/export/gloss_export.h"
+#include "taut/formats/read_mesh.h"
 #include "taut/scene/load_scene.h"
 
 using namespace taut;
@@ -45,15 +46,6 @@ Scene load(const std::string &path) {
     return loadScene(path, {}, warnings);
 }
 
-double relativeError(const std::vector<float> &image, const std::vector<float> &reference) {
-    double error = 0;
-    double mean = 0;
-    for (const float x : reference) mean += static_cast<double>(x) / static_cast<double>(reference.size());
-    for (std::size_t i = 0; i < reference.size(); ++i)
-        error += sqr(static_cast<double>(image[i] - reference[i])) / (sqr(static_cast<double>(reference[i])) + 0.01 * mean * mean);
-    return error / static_cast<double>(reference.size());
-}
-
 /// Writes the scene with `meshPart`, exports a frame in `extension`, and renders both that frame and what was exported, with the
 /// same random numbers; `material` of the second scene says another alpha, which must not matter. Returns the relMSE.
 double roundTrip(const std::string &folder, const std::string &meshPart, const std::string &extension) {
@@ -64,7 +56,7 @@ double roundTrip(const std::string &folder, const std::string &meshPart, const s
     writeBytes(folder + "/back_" + extension + ".toml", other + "[[mesh]]\nfile = \"m." + extension + "\"\nmaterial = \"metal\"\n");
     const std::vector<float> direct = renderImage(load(folder + "/scene.toml"), 8, 16);
     const std::vector<float> back = renderImage(load(folder + "/back_" + extension + ".toml"), 8, 16);
-    const double error = relativeError(back, direct);
+    const double error = chart::relativeMse(coloursOf(back), coloursOf(direct));
     std::cout << "rendered from a stored M (" << extension << ") against the deformed mesh: relMSE " << error << std::endl;
     return error;
 }
@@ -82,7 +74,8 @@ TEST_CASE("stored gloss: a sheared panel comes back from PLY and glTF as it was"
     Mesh mesh = *back.objects.front().mesh;
     mesh.storedM.clear();
     without.objects.front().mesh = std::make_shared<const Mesh>(std::move(mesh));
-    CHECK(relativeError(renderImage(without, 8, 16), renderImage(back, 8, 16)) > 0.01);
+    const double blind = chart::relativeMse(coloursOf(renderImage(without, 8, 16)), coloursOf(renderImage(back, 8, 16)));
+    CHECK(blind > 0.01);
 }
 
 TEST_CASE("stored gloss: a twisted body, where M varies, comes back closely", "[export][stored]") {

@@ -6,6 +6,7 @@
 
 #include "study/measures/flip.h"
 #include "study/measures/image_error.h"
+#include "study/measures/welch.h"
 #include "taut/base/file_bytes.h"
 #include "taut/base/srgb.h"
 #include "taut/render/image_file.h"
@@ -16,6 +17,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iostream>
+#include <optional>
 
 namespace taut::app {
 
@@ -29,6 +31,9 @@ struct CompareArguments {
     bool json = false;
 };
 
+/// Of the t-test.
+constexpr double kLevel = 0.05;
+
 struct Difference {
     double relativeMse = 0, relativeRms = 0;
     double mean = 0, referenceMean = 0;
@@ -36,6 +41,11 @@ struct Difference {
     int x = 0, y = 0;   ///< where
     double flipMean = 0, flipGreatest = 0;
     std::size_t notFinite = 0;
+};
+
+/// A picture and, where it has them, the variances and numbers of samples of its values.
+struct Compared {
+    std::vector<float> rgb, variances, samples; ///< [pixels x 3]
 };
 
 /// Linear R, G and B of an image; a PNG's are decoded.
@@ -52,6 +62,31 @@ std::vector<float> colours(const Image &image, const std::string &path) {
     for (std::size_t first = 0; first < image.values.size(); first += image.channels.size())
         for (const std::size_t c : at) rgb.push_back(png ? linearFromSrgb(image.values[first + c]) : image.values[first + c]);
     return rgb;
+}
+
+/// The values of three channels, or of one three times; empty where the image lacks one.
+std::vector<float> channelsOf(const Image &image, const std::array<const char *, 3> &names) {
+    std::array<std::size_t, 3> at{};
+    for (std::size_t c = 0; c < 3; ++c) {
+        const auto found = std::find(image.channels.begin(), image.channels.end(), names[c]);
+        if (found == image.channels.end()) return {};
+        at[c] = static_cast<std::size_t>(found - image.channels.begin());
+    }
+    std::vector<float> values;
+    for (std::size_t first = 0; first < image.values.size(); first += image.channels.size())
+        for (const std::size_t c : at) values.push_back(image.values[first + c]);
+    return values;
+}
+
+Compared comparedOf(const Image &image, const std::string &path) {
+    return {colours(image, path), channelsOf(image, {"Variance.R", "Variance.G", "Variance.B"}),
+            channelsOf(image, {"Samples.X", "Samples.X", "Samples.X"})};
+}
+
+/// Where both have variances.
+std::optional<chart::WelchTest> testOf(const Compared &image, const Compared &reference) {
+    if (image.variances.empty() || reference.variances.empty()) return std::nullopt;
+    return chart::welchTest({image.rgb, image.variances, image.samples}, {reference.rgb, reference.variances, reference.samples}, kLevel);
 }
 
 std::string sizeOf(const Window &w) {
@@ -104,10 +139,45 @@ void print(const Difference &d) {
     if (d.notFinite > 0) fmt::print("{} values are not finite and count as 0\n", d.notFinite);
 }
 
+std::string pixelOf(const Window &window, std::size_t value) {
+    const auto width = static_cast<std::size_t>(window.width());
+    return fmt::format("{} at pixel {},{}", "RGB"[value % 3], window.x0 + static_cast<int>(value / 3 % width),
+                       window.y0 + static_cast<int>(value / 3 / width));
+}
+
+void print(const chart::WelchTest &test, const Window &window) {
+    fmt::print("t-test: {} of {} values beyond the 5 % bound ({:.3g} %; by chance {:.0f}), greatest |t| {:.3g} of {}\n", test.beyond,
+               test.tested, 100 * test.share(), kLevel * static_cast<double>(test.tested), test.greatest, pixelOf(window, test.at));
+}
+
 nlohmann::json toJson(const Difference &d) {
     return {{"relmse", d.relativeMse},           {"relative_rms", d.relativeRms},     {"mean", d.mean},
             {"reference_mean", d.referenceMean}, {"greatest_difference", d.greatest}, {"greatest_at", {d.x, d.y}},
             {"flip_mean", d.flipMean},           {"flip_greatest", d.flipGreatest},   {"not_finite", d.notFinite}};
+}
+
+/// Appends t as channels T.R, T.G and T.B.
+void addTest(const chart::WelchTest &test, Image &picture) {
+    std::vector<float> values;
+    const std::size_t channels = picture.channels.size();
+    for (std::size_t pixel = 0; pixel < test.t.size() / 3; ++pixel) {
+        const auto own = picture.values.begin() + static_cast<std::ptrdiff_t>(pixel * channels);
+        values.insert(values.end(), own, own + static_cast<std::ptrdiff_t>(channels));
+        values.insert(values.end(), test.t.begin() + static_cast<std::ptrdiff_t>(3 * pixel),
+                      test.t.begin() + static_cast<std::ptrdiff_t>(3 * pixel + 3));
+    }
+    picture.channels.insert(picture.channels.end(), {"T.R", "T.G", "T.B"});
+    picture.values = std::move(values);
+}
+
+nlohmann::json toJson(const chart::WelchTest &test) {
+    nlohmann::json greatest = nullptr; // JSON knows no infinity
+    if (std::isfinite(test.greatest)) greatest = test.greatest;
+    return {{"tested", test.tested},
+            {"beyond", test.beyond},
+            {"share", test.share()},
+            {"by_chance", kLevel * static_cast<double>(test.tested)},
+            {"greatest_t", greatest}};
 }
 
 int compare(const CompareArguments &arguments) {
@@ -117,18 +187,26 @@ int compare(const CompareArguments &arguments) {
     const Image reference = readImage(arguments.reference);
     if (image.window != reference.window)
         failInput({arguments.image}, sizeOf(image.window), sizeOf(reference.window) + ", as " + arguments.reference + " has");
+    const Compared compared = comparedOf(image, arguments.image);
+    const Compared expected = comparedOf(reference, arguments.reference);
+    const std::optional<chart::WelchTest> test = testOf(compared, expected);
     std::vector<float> flip;
-    const Difference d =
-        differenceOf(colours(image, arguments.image), colours(reference, arguments.reference), image.window, arguments.exposure, flip);
+    const Difference d = differenceOf(compared.rgb, expected.rgb, image.window, arguments.exposure, flip);
     if (!arguments.output.empty()) {
         Image picture{image.window, image.width, image.height, {"FLIP", "A"}, {}};
         for (const float v : flip) picture.values.insert(picture.values.end(), {v, 1.0F});
-        writeImage(arguments.output, falseColours(picture, "FLIP", Vec2(0, 1)), {{"taut:channel", "FLIP"}, {"taut:range", "0 1"}});
+        picture = falseColours(picture, "FLIP", Vec2(0, 1));
+        if (test && lowerExtension(arguments.output) == "exr") addTest(*test, picture);
+        writeImage(arguments.output, picture, {{"taut:channel", "FLIP"}, {"taut:range", "0 1"}});
     }
-    if (arguments.json)
-        std::cout << jsonText(toJson(d), 2) << std::endl;
-    else
+    if (arguments.json) {
+        nlohmann::json said = toJson(d);
+        if (test) said["t_test"] = toJson(*test);
+        std::cout << jsonText(said, 2) << std::endl;
+    } else {
         print(d);
+        if (test) print(*test, image.window);
+    }
     return arguments.most >= 0 && !(d.flipMean <= arguments.most) ? 1 : 0;
 }
 
@@ -139,8 +217,9 @@ void addCompare(CLI::App &parent, Run &run) {
     CLI::App *command = parent.add_subcommand("compare", "How far an image is from a reference: relMSE, FLIP, a picture of the difference");
     command->add_option("image", arguments->image, "EXR or PNG")->required();
     command->add_option("reference", arguments->reference, "What it should be: EXR or PNG")->required();
-    command->add_option("-o,--output", arguments->output,
-                        "FLIP at every pixel in false colours, 0 dark blue to 1 yellow: out/difference.png or .exr");
+    command->add_option(
+        "-o,--output", arguments->output,
+        "FLIP at every pixel in false colours, 0 dark blue to 1 yellow: out/difference.png or .exr (with Welch's t as T.R, T.G, T.B)");
     command->add_option("--exposure", arguments->exposure, "Stops by which both are brightened for FLIP, which sees [0, 1]")
         ->check(CLI::Range(-50.0, 50.0));
     command->add_option("--most", arguments->most, "Exit with 1 where the mean FLIP is above this")->check(CLI::Range(0.0, 1.0));

@@ -41,8 +41,10 @@ std::vector<std::string> renderWords(const RenderArguments &a) {
     if (a.seed) add("--seed", std::to_string(*a.seed));
     if (a.fixedSeed) words.emplace_back("--fixed-seed");
     if (a.noGround) words.emplace_back("--no-ground");
+    if (a.independent) words.emplace_back("--independent");
     add("--crop", a.crop);
     for (const std::string &aov : a.aovs) add("--aov", aov);
+    if (a.cryptoRanks > 0) add("--crypto-ranks", std::to_string(a.cryptoRanks));
     if (a.model.tolerance) add("--tolerance", fmt::format("{}", *a.model.tolerance));
     add("--model", a.model.model);
     const std::vector<std::string> image = imageWords(a.image);
@@ -66,8 +68,9 @@ int farm(FarmArguments &arguments) {
     checkOutputs(render.outputs, settings.frames.size());
     imageSettingsOf(render.image, loaded.image, render.outputs); // or says why not
     FrameOptions options = optionsOf(render, settings);
-    const std::vector<std::string_view> aovNames(render.aovs.begin(), render.aovs.end());
-    options.aovs = aovsNamed(aovNames, "--aov");
+    const FilmContents contents = filmContentsNamed(render.aovs, "--aov");
+    options.aovs = contents.aovs;
+    options.layers = contents.layers;
     render.shard = fmt::format("1/{}", arguments.shards);
     const std::optional<Shard> shard = shardOf(render, options, 1);
     const bool byRows = shard->by == ShardBy::Rows;

@@ -175,7 +175,7 @@ void addInfo(CLI::App &parent, Run &run) {
     command->add_flag("--json", arguments->json, "One JSON object on standard output");
     command->add_flag("--resources", arguments->resources, "Also measure what a frame takes: memory, seconds");
     CLI::Option *channel = command->add_option("--false-colour", arguments->falseColour,
-                                               "Also render this channel in false colours: Stretch.max, AlphaMin, M.b, ...");
+                                               "Also render this channel in false colours: Stretch.X, Alpha.Y, M.Y, ...");
     CLI::Option *output = command->add_option("-o,--output", arguments->output, "Where to: out/####.png or .exr");
     channel->needs(output);
     output->needs(channel);

@@ -93,6 +93,7 @@ Scene sceneOf(const RenderArguments &arguments) {
 FrameOptions optionsOf(const RenderArguments &arguments, const RenderSettings &render) {
     FrameOptions options;
     options.spp = render.spp;
+    options.independent = arguments.independent;
     if (!arguments.time.empty()) {
         options.seconds = parseDuration("--time", arguments.time);
         if (arguments.spp == 0) options.spp = 1 << 16;
@@ -167,13 +168,17 @@ void addSampleArguments(CLI::App &command, RenderArguments &arguments) {
     command.add_option("--seed", arguments.seed, "Seed of all random numbers");
     command.add_flag("--no-ground", arguments.noGround, "A file without a scene stands on no ground: the mesh alone in the dim studio");
     command.add_flag("--fixed-seed", arguments.fixedSeed, "The same random numbers in every frame");
+    command.add_flag("--independent", arguments.independent,
+                     "Samples of a pixel know nothing of one another: noisier, but variance is without bias and t-tests hold");
     command.add_option("--crop", arguments.crop, "Render only the pixels x0,y0,x1,y1 (x1, y1 excluded)");
     command
         .add_option("--aov", arguments.aovs,
                     "Extra channels: depth, albedo, normal, shading_normal, facet_normal, position, rest_position, uv, m, lean, stretch, "
-                    "alpha, all")
+                    "alpha, all (of these); crypto_object, crypto_material, lights, samples, variance")
         ->delimiter(',')
         ->allow_extra_args(false);
+    command.add_option("--crypto-ranks", arguments.cryptoRanks, "Objects, or materials, that Cryptomatte tells apart in a pixel: 2, 4, ... 32 (default: 6)")
+        ->check(CLI::IsMember({2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30, 32}));
 }
 
 void addRenderArguments(CLI::App &command, RenderArguments &arguments) {

@@ -31,8 +31,10 @@ struct RenderArguments {
     std::optional<std::string> noise;
     std::optional<std::uint32_t> seed;
     bool fixedSeed = false;
+    bool independent = false;
     std::string crop;
     std::vector<std::string> aovs;
+    int cryptoRanks = 0; ///< 0: as many as usual
     std::string checkpoint, timeLimit;
     bool resume = false;
     bool skipExisting = false;

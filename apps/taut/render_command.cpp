@@ -13,6 +13,7 @@
 #include "taut/base/frame_set.h"
 #include "taut/images/image_codec.h"
 #include "taut/render/image_file.h"
+#include "taut/render/light_groups.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -133,6 +134,8 @@ class FrameNames {
                          {"taut:seed", std::to_string(scene_.render.seed)},
                          {"taut:frame", std::to_string(frame)},
                          {"taut:sceneHash", sceneHash_}};
+        const Metadata mattes = matteMetadata(scene_, options_.layers);
+        head.metadata.insert(head.metadata.end(), mattes.begin(), mattes.end());
         return head;
     }
 
@@ -164,13 +167,14 @@ int render(RenderArguments &arguments) {
     const auto threads = limitThreads(arguments.scene.threads);
     const ProgressStyle style = progressStyleOf(arguments);
     const CheckpointOptions checkpoints = checkpointsOf(arguments);
-    const std::vector<std::string_view> aovNames(arguments.aovs.begin(), arguments.aovs.end());
-    const std::vector<Aov> aovs = aovsNamed(aovNames, "--aov");
+    const FilmContents contents = filmContentsNamed(arguments.aovs, "--aov");
     Scene loaded = sceneOf(arguments);
     if (!arguments.check && arguments.shard.empty()) preloadImageCodec(); // a shard may end in no image
     const RenderSettings render = loaded.render;
     FrameOptions options = optionsOf(arguments, render);
-    options.aovs = aovs;
+    options.aovs = contents.aovs;
+    options.layers = contents.layers;
+    if (arguments.cryptoRanks > 0) options.layers.ranks = arguments.cryptoRanks;
     const std::optional<Shard> shard = shardOf(arguments, options, render.frames.size());
     const std::vector<int> frames = framesOf(arguments, shard, render.frames);
     const Outputs outputs = outputsOf(arguments, shard, render.frames.size());

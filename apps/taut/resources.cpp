@@ -1,6 +1,7 @@
 #include "resources.h"
 
 #include "taut/base/peak_memory.h"
+#include "taut/render/light_groups.h"
 
 #include <algorithm>
 #include <chrono>
@@ -54,7 +55,7 @@ Resources measureResources(RenderScene &scene, const FrameOptions &options, Cloc
     const double pixels = static_cast<double>(whole.window.width()) * whole.window.height();
     resources.frameSeconds = sampleSeconds(scene, whole) * pixels * whole.spp;
     // A pixel's exact sums and counts, its means as floats, and these once more as a file.
-    const auto channels = static_cast<double>(Film({}, whole.aovs).channelNames().size());
+    const auto channels = static_cast<double>(Film({}, whole.aovs, layersOf(whole.layers, scene.scene())).channelNames().size());
     resources.megabytes = peakMegabytes() + pixels * (channels * (sizeof(ExactSum) + 2 * sizeof(float)) + 2 * sizeof(std::uint32_t)) / 1e6;
     return resources;
 }

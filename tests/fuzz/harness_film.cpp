@@ -140,7 +140,14 @@ std::vector<std::string> filmSeeds() {
     Film named({3, 4, 5, 5}, aovsNamed(names, "seed"));
     const float values[] = {1, 0, 0, 1};
     named.add(4, 4, Vec3(0.5F), 1, values);
-    return {saved(plain), saved(named)};
+    FilmLayers layers;
+    layers.objects = layers.lights = layers.variance = true;
+    layers.lightGroups = {"emission", "key"};
+    Film layered({0, 0, 2, 1}, {}, layers);
+    const Vec3 lights[] = {Vec3(0.25F), Vec3(0.5F)};
+    layered.add(1, 0, Vec3(0.75F), 1, nullptr);
+    layered.addLayers(1, 0, Vec3(0.75F), {0x3f800000, 0, lights});
+    return {saved(plain), saved(named), saved(layered)};
 }
 std::vector<std::string> restoreSeeds() {
     return {std::string(1, '\0') + savedFrame(false, 0), std::string(1, '\0') + savedFrame(false, 2), '\1' + savedFrame(true, 0),

@@ -35,6 +35,22 @@ class ExactSum {
         }
     }
     constexpr void add(const ExactSum &other) { addUnits(other.value_); }
+    constexpr void subtract(const ExactSum &other) { addUnits(-other.value_); }
+    /// Adds x^2 as add() adds x: without rounding from |x| = 2^-9 up, else first rounded to a multiple of 2^-64.
+    constexpr void addSquare(float x) {
+        const auto bits = std::bit_cast<std::uint32_t>(x);
+        const int exponent = static_cast<int>(bits >> 23U & 0xffU);
+        const std::uint32_t fraction = bits & 0x7fffffU;
+        if (exponent == 0 || (exponent == 0xff && fraction != 0)) return;
+        const Int128 square = static_cast<Int128>(fraction | 0x800000U) * static_cast<Int128>(fraction | 0x800000U);
+        const int shift = 2 * (exponent - 150) + 64;
+        if (shift > kHighestShift - 24)
+            addUnits(kLimit);
+        else if (shift >= 0)
+            addUnits(square << shift);
+        else if (shift >= -49)
+            addUnits((square + (Int128{1} << (-shift - 1))) >> -shift);
+    }
 
     /// Rounded once.
     [[nodiscard]] constexpr double value() const { return static_cast<double>(value_) * 0x1p-64; }

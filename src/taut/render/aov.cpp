@@ -68,25 +68,25 @@ const std::vector<AovInfo> kTable{
      {"Pref.X", "Pref.Y", "Pref.Z"},
      [](const RenderScene &, const SurfacePoint &p, float *out) { put(out, restPosition(p)); }},
     {"uv", {"u", "v"}, [](const RenderScene &, const SurfacePoint &p, float *out) { put(out, p.uv.first); }},
-    {"m", // upper triangular
-     {"M.a", "M.b", "M.d"},
+    {"m", // a, b, d of the upper triangular one
+     {"M.X", "M.Y", "M.Z"},
      [](const RenderScene &, const SurfacePoint &p, float *out) {
          const MicroTransform m = inTangentFrame(p);
          put(out, Vec3(m.a, m.b, m.d));
      }},
-    {"lean", // its third column
-     {"M.p", "M.q"},
+    {"lean", // p, q of its third column
+     {"Lean.X", "Lean.Y"},
      [](const RenderScene &, const SurfacePoint &p, float *out) {
          const MicroTransform m = inTangentFrame(p);
          put(out, Vec2(m.p, m.q));
      }},
-    {"stretch", // singular values of A
-     {"Stretch.max", "Stretch.min"},
+    {"stretch", // singular values of A, the greater first
+     {"Stretch.X", "Stretch.Y"},
      [](const RenderScene &, const SurfacePoint &p, float *out) {
          put(out, singularValues(p.stretch.x, p.stretch.y, p.stretch.y, p.stretch.z));
      }},
-    {"alpha", // phi from the rotated tangent, radians
-     {"AlphaMax", "AlphaMin", "AlphaPhi"},
+    {"alpha", // greatest, least, phi of the greatest from the rotated tangent in radians
+     {"Alpha.X", "Alpha.Y", "Alpha.Z"},
      [](const RenderScene &, const SurfacePoint &p, float *out) {
          const EquivalentAlpha alpha = equivalentAlpha(inTangentFrame(p));
          put(out, Vec3(alpha.max, alpha.min, alpha.phi));

@@ -19,7 +19,7 @@ enum class Aov : std::uint8_t {};
 
 struct AovInfo {
     std::string_view name;                  ///< on the command line
-    std::vector<std::string_view> channels; ///< in the EXR
+    std::vector<std::string_view> channels; ///< in the EXR: LAYER.C, C one of R G B A X Y Z, as Blender reads them, or a single letter
     /// Writes the channels' values at a first hit.
     void (*write)(const RenderScene &scene, const SurfacePoint &point, float *out);
 };

@@ -12,14 +12,17 @@ namespace {
 struct PixelGrid {
     float pixelSize, halfWidth, halfHeight;
     std::uint32_t seed;
+    bool independent; ///< every sample has random numbers of its own
 };
 
 [[gnu::always_inline]] inline void numbersLoop(const PixelGrid &grid, CameraLanes &l) {
     const int count = l.count;
     const std::uint32_t seed = grid.seed;
+    const bool independent = grid.independent;
 #pragma GCC ivdep
     for (int i = 0; i < count; ++i) {
         l.seed[i] = hash(static_cast<std::uint32_t>(l.x[i]) + 0x10000U * static_cast<std::uint32_t>(l.y[i]), seed);
+        if (independent) l.seed[i] = hash(l.seed[i], l.sample[i]);
         const Vec2 u = sobol2(l.sample[i], hash(l.seed[i], kFilterDimension));
         l.u[i] = u.x;
         l.v[i] = u.y;
@@ -113,7 +116,7 @@ void cameraRays(const RenderScene &scene, const TraceSettings &settings, CameraL
     const bool orthographic = camera.orthoHeight > 0;
     const double height = orthographic ? camera.orthoHeight : 2 * std::tan(0.5 * camera.fovY);
     const PixelGrid grid{static_cast<float>(height / settings.height), 0.5F * static_cast<float>(settings.width),
-                         0.5F * static_cast<float>(settings.height), settings.seed};
+                         0.5F * static_cast<float>(settings.height), settings.seed, settings.independent};
     const bool still = camera.apertureRadius <= 0 && scene.cameraSteps().size() <= 1 && scene.scene().render.shutter <= 0;
     onInstructions(instructions, [&](auto loops) {
         using Loops = decltype(loops);

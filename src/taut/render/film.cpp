@@ -1,14 +1,13 @@
 #include "taut/render/film.h"
 
 #include "taut/base/error.h"
+#include "taut/render/sum_packing.h"
 
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cstring>
 #include <istream>
 #include <ostream>
-#include <span>
 
 namespace taut {
 
@@ -17,9 +16,10 @@ namespace {
 constexpr std::string_view kMagic = "taut film 2\n";
 /// Pixels that are read or written at once.
 constexpr std::size_t kBlock = 4096;
+/// Before the words of layers, among the names of AOVs.
+constexpr char kLayerMark = '+';
 /// Bytes of a stream that can't tell how many it has.
 constexpr std::uint64_t kUnknownSize = std::uint64_t{1} << 30;
-const char *const kEndsEarly = "film: found its end early, expected as many sums as its head says";
 
 static_assert(std::endian::native == std::endian::little, "films are written in the machine's order");
 
@@ -28,7 +28,7 @@ template <class T> void writeRaw(std::ostream &out, const T *values, std::size_t
 }
 
 template <class T> void readRaw(std::istream &in, T *values, std::size_t count) {
-    if (!in.read(reinterpret_cast<char *>(values), static_cast<std::streamsize>(count * sizeof(T)))) throw InputError(kEndsEarly);
+    if (!in.read(reinterpret_cast<char *>(values), static_cast<std::streamsize>(count * sizeof(T)))) throw InputError(kFilmEndsEarly);
 }
 
 /// Of a stream that can tell; of another, what a file may have.
@@ -40,89 +40,12 @@ std::uint64_t bytesLeft(std::istream &in) {
     return static_cast<std::uint64_t>(end - here);
 }
 
-/// Runs of equal counts: how many, which; both as 7 bits a byte, the least first.
-void packCounts(std::span<const std::uint32_t> counts, std::vector<unsigned char> &out) {
-    const auto put = [&](std::uint64_t value) {
-        for (; value >= 0x80U; value >>= 7U) out.push_back(static_cast<unsigned char>(value | 0x80U));
-        out.push_back(static_cast<unsigned char>(value));
-    };
-    for (std::size_t first = 0, next = 0; first < counts.size(); first = next) {
-        while (next < counts.size() && counts[next] == counts[first]) ++next;
-        put(next - first);
-        put(counts[first]);
-    }
-}
-
-/// A sum of many zero bytes at both ends (those above repeat its sign) by those between: the number of zero bytes at its low end and,
-/// less one, of bytes that follow, four bits each. Zero is a byte that no other sum begins with.
-constexpr unsigned char kZero = 0xff;
-
-void packSum(const ExactSum &sum, std::vector<unsigned char> &out) {
-    const std::array<std::uint64_t, 2> words{sum.low(), static_cast<std::uint64_t>(sum.high())};
-    std::array<unsigned char, 16> bytes{};
-    std::memcpy(bytes.data(), words.data(), bytes.size());
-    if ((words[0] | words[1]) == 0) return out.push_back(kZero);
-    const int low = words[0] != 0 ? std::countr_zero(words[0]) / 8 : 8 + std::countr_zero(words[1]) / 8;
-    const unsigned char sign = sum.high() < 0 ? 0xff : 0;
-    int high = 15;
-    while (high > low && bytes[high] == sign && ((bytes[high - 1] ^ sign) & 0x80) == 0) --high;
-    out.push_back(static_cast<unsigned char>(low << 4 | (high - low)));
-    out.insert(out.end(), bytes.begin() + low, bytes.begin() + high + 1);
-}
-
-/// Takes apart what they have put together; what ends early or is none throws.
-class Unpacker {
-  public:
-    explicit Unpacker(std::istream &in) : buffer_(*in.rdbuf()) {}
-
-    void counts(std::span<std::uint32_t> out) {
-        for (std::size_t done = 0; done < out.size();) {
-            const std::uint64_t run = number();
-            const std::uint64_t value = number();
-            if (run == 0 || run > out.size() - done || value > 0xffffffffU) throw InputError("film: found counts that are none");
-            std::fill_n(out.begin() + static_cast<std::ptrdiff_t>(done), run, static_cast<std::uint32_t>(value));
-            done += run;
-        }
-    }
-
-    ExactSum sum() {
-        const unsigned head = byte();
-        if (head == kZero) return {};
-        const unsigned low = head >> 4U;
-        const unsigned size = (head & 15U) + 1;
-        if (low + size > 16) throw InputError("film: found a sum that is none");
-        std::array<unsigned char, 16> bytes{};
-        for (unsigned i = 0; i < size; ++i) bytes[low + i] = static_cast<unsigned char>(byte());
-        if ((bytes[low + size - 1] & 0x80U) != 0) std::fill(bytes.begin() + low + size, bytes.end(), static_cast<unsigned char>(0xff));
-        std::array<std::uint64_t, 2> words{};
-        std::memcpy(words.data(), bytes.data(), bytes.size());
-        return {words[0], static_cast<std::int64_t>(words[1])};
-    }
-
-  private:
-    unsigned byte() {
-        const auto c = buffer_.sbumpc();
-        if (c == std::istream::traits_type::eof()) throw InputError(kEndsEarly);
-        return static_cast<unsigned char>(c);
-    }
-    std::uint64_t number() {
-        std::uint64_t value = 0;
-        for (unsigned shift = 0; shift < 35; shift += 7) {
-            const unsigned c = byte();
-            value |= static_cast<std::uint64_t>(c & 0x7fU) << shift;
-            if (c < 0x80U) return value;
-        }
-        throw InputError("film: found counts that are none");
-    }
-
-    std::streambuf &buffer_;
-};
-
 } // namespace
 
-Film::Film(const Window &window, const std::vector<Aov> &aovs) : window_(window), aovs_(aovs) {
+Film::Film(const Window &window, const std::vector<Aov> &aovs, const FilmLayers &layers) : window_(window), aovs_(aovs), layers_(layers) {
     for (const Aov aov : aovs_) stride_ += infoOf(aov).channels.size();
     const std::size_t pixels = window.empty() ? 0 : static_cast<std::size_t>(window.width()) * static_cast<std::size_t>(window.height());
+    layers_.resize(pixels);
     counts_.assign(pixels, 0);
     hits_.assign(pixels, 0);
     sums_.assign(pixels * stride_, {});
@@ -134,6 +57,8 @@ std::vector<std::string> Film::channelNames() const {
         const auto &channels = infoOf(aov).channels;
         names.insert(names.end(), channels.begin(), channels.end());
     }
+    const std::vector<std::string> layered = layers_.asked().channelNames();
+    names.insert(names.end(), layered.begin(), layered.end());
     return names;
 }
 
@@ -149,9 +74,10 @@ void Film::add(int x, int y, const Vec3 &radiance, float alpha, const float *aov
 }
 
 void Film::merge(const Film &other) {
-    if (other.aovs_ != aovs_) throw InputError("film: found a film with other AOVs, expected the same ones to merge");
+    if (other.aovs_ != aovs_ || other.layers() != layers())
+        throw InputError("film: found a film with other AOVs, expected the same ones to merge");
     if (!window_.contains(other.window_)) {
-        Film both(unionOf(window_, other.window_), aovs_);
+        Film both(unionOf(window_, other.window_), aovs_, layers());
         both.merge(*this);
         *this = std::move(both);
     }
@@ -162,6 +88,7 @@ void Film::merge(const Film &other) {
             counts_[to] += other.counts_[from];
             hits_[to] += other.hits_[from];
             for (std::size_t c = 0; c < stride_; ++c) sums_[to * stride_ + c].add(other.sums_[from * stride_ + c]);
+            layers_.merge(to, other.layers_, from);
         }
 }
 
@@ -173,6 +100,7 @@ void Film::copy(const Film &from, const Window &part) {
         std::copy_n(&from.counts_[source], width, &counts_[target]);
         std::copy_n(&from.hits_[source], width, &hits_[target]);
         std::copy_n(&from.sums_[source * stride_], width * stride_, &sums_[target * stride_]);
+        layers_.copy(target, from.layers_, source, width);
     }
 }
 
@@ -193,12 +121,13 @@ double Film::luminanceSum(int x, int y) const {
 
 std::vector<float> Film::resolve() const {
     std::vector<float> values;
-    values.reserve(sums_.size());
+    values.reserve(counts_.size() * channelNames().size());
     for (std::size_t p = 0; p < counts_.size(); ++p) {
         const ExactSum *sum = &sums_[p * stride_];
         const double inverse = counts_[p] > 0 ? 1.0 / counts_[p] : 0.0;
         for (std::size_t c = 0; c < 4; ++c) values.push_back(static_cast<float>(sum[c].value() * inverse));
         for (std::size_t c = 4; c < stride_; ++c) values.push_back(hits_[p] > 0 ? static_cast<float>(sum[c].value() / hits_[p]) : 0.0F);
+        layers_.resolve(p, counts_[p], sum, values);
     }
     return values;
 }
@@ -206,6 +135,7 @@ std::vector<float> Film::resolve() const {
 void Film::save(std::ostream &out) const {
     out << kMagic;
     for (const Aov aov : aovs_) out << infoOf(aov).name << ' ';
+    for (const std::string &word : layers().words()) out << kLayerMark << word << ' ';
     out << '\n';
     const std::array<std::int32_t, 4> window{window_.x0, window_.y0, window_.x1, window_.y1};
     writeRaw(out, window.data(), window.size());
@@ -216,6 +146,7 @@ void Film::save(std::ostream &out) const {
         packCounts({counts_.data() + first, block}, bytes);
         packCounts({hits_.data() + first, block}, bytes);
         for (std::size_t i = first * stride_; i < (first + block) * stride_; ++i) packSum(sums_[i], bytes);
+        layers_.pack(first, block, bytes);
         writeRaw(out, bytes.data(), bytes.size());
     }
 }
@@ -225,6 +156,7 @@ Film Film::load(std::istream &in) {
     if (!in.read(magic.data(), static_cast<std::streamsize>(magic.size())) || magic != kMagic)
         throw InputError("film: found other bytes at its begin, expected 'taut film 2'");
     std::vector<Aov> aovs;
+    FilmLayers layers;
     std::string name;
     for (int c = in.get(); c != '\n'; c = in.get()) {
         if (c == std::istream::traits_type::eof() || name.size() > 64) throw InputError("film: found no end of the names of its AOVs");
@@ -233,7 +165,10 @@ Film Film::load(std::istream &in) {
             continue;
         }
         const std::string_view view = name;
-        aovs.push_back(aovsNamed({&view, 1}, "film").front());
+        if (view.starts_with(kLayerMark))
+            layers.addWord(view.substr(1));
+        else
+            aovs.push_back(aovsNamed({&view, 1}, "film").front());
         name.clear();
     }
     std::array<std::int32_t, 4> w{};
@@ -242,12 +177,12 @@ Film Film::load(std::istream &in) {
     constexpr int kMost = 1 << 20;
     const bool inRange = std::all_of(w.begin(), w.end(), [](int v) { return v >= 0 && v <= kMost; });
     if (!inRange || window.width() < 0 || window.height() < 0) throw InputError("film: found a window that is none, expected x0 y0 x1 y1");
-    Film film({}, aovs);
+    Film film({}, aovs, layers);
     film.window_ = window;
     const auto pixels = static_cast<std::size_t>(window.width()) * static_cast<std::size_t>(window.height());
     // A sum has a byte at least: no head asks for more memory than its file is worth.
     const std::uint64_t left = bytesLeft(in);
-    if (pixels > left / film.stride_) throw InputError(kEndsEarly);
+    if (pixels > left / film.stride_) throw InputError(kFilmEndsEarly);
     film.counts_.reserve(pixels);
     film.hits_.reserve(pixels);
     film.sums_.reserve(pixels * film.stride_);
@@ -259,6 +194,7 @@ Film Film::load(std::istream &in) {
         unpacker.counts({film.counts_.data() + first, last - first});
         unpacker.counts({film.hits_.data() + first, last - first});
         for (std::size_t i = first * film.stride_; i < last * film.stride_; ++i) film.sums_.push_back(unpacker.sum());
+        film.layers_.unpack(std::span(film.counts_).subspan(first, last - first), unpacker);
     }
     return film;
 }

@@ -5,6 +5,7 @@
 #include "taut/base/exact_sum.h"
 #include "taut/base/vec.h"
 #include "taut/render/aov.h"
+#include "taut/render/film_layers.h"
 #include "taut/render/window.h"
 
 #include <iosfwd>
@@ -17,17 +18,21 @@ namespace taut {
 /// Pixels may have different numbers of samples. Not for writing by several threads into one pixel.
 class Film {
   public:
-    Film(const Window &window, const std::vector<Aov> &aovs);
+    Film(const Window &window, const std::vector<Aov> &aovs, const FilmLayers &layers = {});
 
     [[nodiscard]] const Window &window() const { return window_; }
     [[nodiscard]] const std::vector<Aov> &aovs() const { return aovs_; }
+    [[nodiscard]] const FilmLayers &layers() const { return layers_.asked(); }
     [[nodiscard]] int aovChannels() const { return static_cast<int>(stride_) - 4; }
+    /// R G B A, AOVs, layers.
     [[nodiscard]] std::vector<std::string> channelNames() const;
 
     /// Adds one sample of pixel (x, y); `aovs` has aovChannels() values, or is null where the sample hit nothing.
     void add(int x, int y, const Vec3 &radiance, float alpha, const float *aovs);
+    /// Of the same sample, where layers are asked for.
+    void addLayers(int x, int y, const Vec3 &radiance, const LayerSample &sample) { layers_.add(pixelAt(x, y), radiance, sample); }
     /// Adds the samples of another film; the window grows to hold both. Whose samples those are is the caller's to know: a sample that
-    /// is in both counts twice. Throws InputError where the AOVs are others.
+    /// is in both counts twice. Throws InputError where the AOVs or layers are others.
     void merge(const Film &other);
     /// Takes over the pixels of a part, which both films have.
     void copy(const Film &from, const Window &part);
@@ -56,6 +61,7 @@ class Film {
     std::vector<std::uint32_t> counts_; // [pixels] samples
     std::vector<std::uint32_t> hits_;   // [pixels] of them that hit a surface
     std::vector<ExactSum> sums_;        // [pixels x stride]
+    LayerSums layers_;
 
     [[nodiscard]] std::size_t pixelAt(int x, int y) const {
         return static_cast<std::size_t>(y - window_.y0) * static_cast<std::size_t>(window_.width()) +

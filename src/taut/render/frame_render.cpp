@@ -4,6 +4,7 @@
 #include "taut/base/parallel.h"
 #include "taut/base/sobol.h"
 #include "taut/render/adaptive.h"
+#include "taut/render/light_groups.h"
 
 #include <tbb/enumerable_thread_specific.h>
 
@@ -76,12 +77,12 @@ void checkOptions(const FrameOptions &options, const RenderSettings &render) {
 
 struct FrameRender::State {
     State(const RenderScene &scene_, const FrameOptions &options_)
-        : options(options_), film(affordable(scene_.scene(), windowOf(options_, scene_.scene().render)), options_.aovs),
-          materials(prepareMaterials(scene_.scene(), scene_.plan())), workers([&scene_, this] {
+        : options(options_), film(affordable(scene_.scene(), windowOf(options_, scene_.scene().render)), options_.aovs, layersOf(options_.layers, scene_.scene())),
+          layers(layerTables(scene_, film.layers())), materials(prepareMaterials(scene_.scene(), scene_.plan())), workers([&scene_, this] {
               const RenderSettings &render = scene_.scene().render;
               return Worker{PathTracer(scene_, materials,
                                        {render.width, render.height, render.maxEvents, render.boxFilter, options.seed, options.record,
-                                        options.oneByOne}),
+                                        film.layers().hasSums() ? &layers : nullptr, options.independent, options.oneByOne}),
                             {},
                             {},
                             {}};
@@ -92,6 +93,7 @@ struct FrameRender::State {
 
     FrameOptions options;
     Film film;
+    LayerTables layers;
     std::vector<PreparedMaterial> materials;
     tbb::enumerable_thread_specific<Worker> workers;
     std::vector<Window> tiles;
@@ -241,7 +243,7 @@ double FrameRender::share() const {
 
 Film FrameRender::film() const {
     const State &s = *state_;
-    Film film(s.film.window(), s.film.aovs());
+    Film film(s.film.window(), s.film.aovs(), s.film.layers());
     for (std::size_t i = 0; i < s.tiles.size(); ++i) {
         const std::lock_guard lock(s.tileLocks[i]);
         film.copy(s.film, s.tiles[i]);
@@ -339,7 +341,7 @@ void FrameRender::restore(std::istream &in) {
     s.checkHead(in);
     Film film = Film::load(in);
     if (film.window() != s.film.window()) throw InputError("saved frame: found other pixels, expected those of this frame's window");
-    if (film.aovs() != s.film.aovs()) throw InputError("saved frame: found other AOVs, expected those asked for");
+    if (film.aovs() != s.film.aovs() || film.layers() != s.film.layers()) throw InputError("saved frame: found other AOVs, expected those asked for");
     std::optional<AdaptiveBlocks> blocks = s.blocks;
     if (blocks) blocks->load(in);
     std::uint64_t pixelSamples = 0;

@@ -27,9 +27,11 @@ struct FrameOptions {
     std::optional<double> noise{};   ///< adaptive sampling to this relative noise (adaptive.h); firstSample is 0 then
     Window window{};                 ///< pixels to render; empty: the whole frame
     std::vector<Aov> aovs{};
+    FilmLayers layers{};    ///< their light groups are those of the scene, whatever is given
     std::uint32_t seed = 0; ///< of this frame, already decorrelated (frameSeed)
     RayRecord *record = nullptr;
-    bool oneByOne = false; ///< as in TraceSettings
+    bool independent = false; ///< as in TraceSettings
+    bool oneByOne = false;    ///< as in TraceSettings
     /// Told the share done in [0, 1] from time to time, by one thread at a time, while the others go on; false stops.
     std::function<bool(double)> progress{};
 };

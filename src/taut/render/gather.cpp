@@ -75,6 +75,7 @@ void PathTracer::State::shadeAtOnce(int event, const PlainMaterial &material, st
         if (l.connects[k] > 0) {
             shadowRays.push_back(shadowRay(l.shadowOrigin.at(k), l.position.at(k), l.lightDirection.at(k), l.lightDistance[k], path.time));
             shadowTests.push_back({l.path[k], l.contribution.at(k)});
+            if (hasGroups()) shadowGroups.push_back(groupOfEntry(l.lightEntry[k]));
         }
         if (!(l.goesOn[k] > 0)) continue;
         path.throughput = l.nextThroughput.at(k);

@@ -307,6 +307,7 @@ void aim(HitLanes &l, const LightTable &lights) {
     std::size_t count = 0;
     for (std::size_t i = 0; i < static_cast<std::size_t>(l.padded()); ++i) {
         const LightChoice choice = chooseLight(lights, l.position.at(i), l.lightChoice[i]);
+        l.lightEntry[i] = choice.entry;
         if (choice.entry != kNone && choice.entry == lights.environmentEntry) {
             l.sky.u[count] = l.lightU[i];
             l.sky.v[count] = l.lightV[i];

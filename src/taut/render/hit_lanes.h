@@ -54,6 +54,7 @@ struct alignas(64) HitLanes {
     // aim(): light samples, render space; pdf 0: none. `weighted` is 0 for lights that no scattered ray can meet.
     Vectors lightDirection, lightRadiance;
     float lightPdf[kSize], lightWeighted[kSize], lightDistance[kSize];
+    Index lightEntry[kSize];
     EnvironmentLanes sky; ///< those that go there
 
     // connect(): a shadow ray's start and what it would bring; nothing but where `connects` > 0.

@@ -65,7 +65,8 @@ ImagePart partOf(const Image &image, const char *space) {
 std::vector<unsigned char> pngOf(const std::string &path, const Image &image, const Metadata &metadata, const ImageSettings &settings) {
     const ViewTransform view(settings.view);
     ImagePart part = partOf(image, view.isSrgb() ? "sRGB" : nullptr);
-    part.attributes.insert(part.attributes.end(), metadata.begin(), metadata.end());
+    for (const auto &entry : metadata) // ids are in EXR files alone
+        if (!entry.first.starts_with("cryptomatte/")) part.attributes.push_back(entry);
     part.attributes.insert(part.attributes.end(), view.applied().begin(), view.applied().end());
     const std::vector<float> colours = shown(image, view);
     if (settings.pngBits == 16) {

@@ -46,10 +46,13 @@ void PathTracer::State::shadeAll(int event, const std::vector<Aov> &wanted, int 
     stillActive.clear();
     shadowRays.clear();
     shadowTests.clear();
+    shadowGroups.clear();
+    const bool hasIds = event == 0 && settings.layers != nullptr && settings.layers->hasIds;
     const bool lightsMayBeMet = !scene.lights().parts.empty();
     for (std::size_t i = 0; i < active.size(); ++i) {
         Path &path = paths[active[i]];
         if (lightsMayBeMet && meetLights(path, rays[i], hits[i].t)) continue;
+        if (hasIds && hits[i].geometry != kNone) noteFirstHit(i);
         if (hits[i].geometry == kNone)
             escape(i);
         else if (!waits(event, i, aovChannels))
@@ -90,7 +93,7 @@ void PathTracer::State::testShadows(int event) {
         scene.embree().occluded(shadowRays, blocked);
     }
     for (std::size_t i = 0; i < shadowTests.size(); ++i)
-        if (blocked[i] == 0) paths[shadowTests[i].path].radiance += shadowTests[i].contribution;
+        if (blocked[i] == 0) addLight(paths[shadowTests[i].path], shadowTests[i].contribution, [&] { return shadowGroups[i]; });
 }
 
 int PathTracer::samplesABatch(const Window &tile) {
@@ -107,6 +110,7 @@ bool PathTracer::traceTile(const Window &tile, int firstSample, int lastSample, 
         auto clock = std::chrono::steady_clock::now();
         s.startPaths(tile, first, std::min(first + step, lastSample));
         s.aovs.assign(s.paths.size() * static_cast<std::size_t>(aovChannels), 0.0F);
+        s.startLayers();
         counts.paths += s.paths.size();
         for (int event = 0; !s.active.empty(); ++event) {
             if (access.stop.load(std::memory_order_relaxed)) return false;
@@ -136,6 +140,7 @@ bool PathTracer::traceTile(const Window &tile, int firstSample, int lastSample, 
             }
             film.add(path.x, path.y, path.radiance, path.alpha,
                      path.hasAovs ? s.aovs.data() + i * static_cast<std::size_t>(aovChannels) : nullptr);
+            if (s.settings.layers != nullptr) film.addLayers(path.x, path.y, path.radiance, s.layerSample(i));
         }
         times.film += secondsSince(clock);
     }

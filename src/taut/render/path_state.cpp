@@ -54,6 +54,31 @@ void PathTracer::State::addPaths() {
     l.count = 0;
 }
 
+void PathTracer::State::startLayers() {
+    if (settings.layers == nullptr) return;
+    groupLight.assign(paths.size() * settings.layers->groups, Vec3(0));
+    if (settings.layers->hasIds) firstHits.assign(paths.size(), {});
+}
+
+/// Of camera ray `i`, which nothing hides from its hit.
+void PathTracer::State::noteFirstHit(std::size_t i) {
+    const Index owner = scene.objectOfGeometry(hits[i].geometry);
+    const std::vector<std::uint32_t> &materialIds = settings.layers->materialIds;
+    const Index material = materialOfTriangle(scene.objects()[owner], hits[i].primitive);
+    firstHits[active[i]] = {settings.layers->objectIds[owner], materialIds[std::min<std::size_t>(material, materialIds.size() - 1)]};
+}
+
+Index PathTracer::State::groupOf(Index object, Index triangle) const {
+    const std::vector<Index> &slots = settings.layers->objects[object];
+    return slots[std::min<std::size_t>(slotOfTriangle(scene.objects()[object], triangle), slots.size() - 1)];
+}
+
+LayerSample PathTracer::State::layerSample(std::size_t path) const {
+    LayerSample sample = settings.layers->hasIds ? firstHits[path] : LayerSample();
+    if (hasGroups() && paths[path].radiance != Vec3(0)) sample.lights = &groupLight[path * settings.layers->groups];
+    return sample;
+}
+
 /// Path `i` of the active leaves the scene.
 void PathTracer::State::escape(std::size_t i) {
     const Environment *environment = scene.lights().environment;
@@ -67,7 +92,8 @@ void PathTracer::State::escape(std::size_t i) {
 
 void PathTracer::State::seeEnvironment(Path &path, const Vec3 &radiance, float lightPdf) {
     if (path.scatterPdf == 0) path.alpha = 1;
-    path.radiance += path.throughput * radiance * (path.scatterPdf == 0 ? 1.0F : powerHeuristic(path.scatterPdf, lightPdf));
+    addLight(path, path.throughput * radiance * (path.scatterPdf == 0 ? 1.0F : powerHeuristic(path.scatterPdf, lightPdf)),
+             [&] { return settings.layers->environment; });
 }
 
 void PathTracer::State::lookUpEscaped() {
@@ -86,7 +112,7 @@ void PathTracer::State::lookUpEscaped() {
     escaped.clear();
 }
 
-bool PathTracer::State::meetLights(Path &path, const Ray &ray, float farthest) const {
+bool PathTracer::State::meetLights(Path &path, const Ray &ray, float farthest) {
     const LightTable &lights = scene.lights();
     const bool cameraRay = path.scatterPdf == 0;
     LightHit nearest;
@@ -100,12 +126,12 @@ bool PathTracer::State::meetLights(Path &path, const Ray &ray, float farthest) c
             return hit.t;
         }
         const float weight = powerHeuristic(path.scatterPdf, lightHitPdf(lights, hit, ray.origin));
-        path.radiance += path.throughput * entry.radiance * weight;
+        addLight(path, path.throughput * entry.radiance * weight, [&] { return groupOfEntry(i); });
         return end;
     };
     visitLightsMet(lights, ray.origin, ray.direction, farthest, meet);
     if (nearest.entry == kNone) return false;
-    path.radiance += path.throughput * lights.entries[nearest.entry].radiance;
+    addLight(path, path.throughput * lights.entries[nearest.entry].radiance, [&] { return groupOfEntry(nearest.entry); });
     path.alpha = 1;
     return true;
 }

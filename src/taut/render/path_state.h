@@ -7,6 +7,7 @@
 #include "taut/render/camera_rays.h"
 #include "taut/render/hit_lanes.h"
 #include "taut/render/integrator.h"
+#include "taut/render/light_groups.h"
 #include "taut/render/ray_cone.h"
 
 namespace taut {
@@ -65,6 +66,11 @@ struct PathTracer::State {
     std::vector<ShadowTest> shadowTests;
     std::vector<unsigned char> blocked;
 
+    // Layers of the film, where they are asked for.
+    std::vector<Vec3> groupLight;       ///< [paths x groups]
+    std::vector<Index> shadowGroups;    ///< [shadowTests]
+    std::vector<LayerSample> firstHits; ///< [paths] ids alone
+
     // Hits that are shaded at once.
     std::vector<PlainMaterial> plainMaterials; ///< [materials]
     std::vector<unsigned char> plainObjects;   ///< [objects]
@@ -90,6 +96,20 @@ struct PathTracer::State {
 
     class Surfaces;
 
+    // --- layers ---
+    [[nodiscard]] bool hasGroups() const { return settings.layers != nullptr && settings.layers->groups > 0; }
+    void startLayers();
+    void noteFirstHit(std::size_t i);
+    /// Group of what a triangle emits.
+    [[nodiscard]] Index groupOf(Index object, Index triangle) const;
+    /// Light that reaches the camera along a path; `group` is asked where groups are.
+    template <class Group> void addLight(Path &path, const Vec3 &light, const Group &group) {
+        path.radiance += light;
+        if (hasGroups()) groupLight[static_cast<std::size_t>(&path - paths.data()) * settings.layers->groups + group()] += light;
+    }
+    [[nodiscard]] Index groupOfEntry(Index entry) const { return settings.layers->entries[entry]; }
+    [[nodiscard]] LayerSample layerSample(std::size_t path) const;
+
     void startPaths(const Window &tile, int firstSample, int lastSample);
     void addPaths();
     void intersect(int event);
@@ -97,9 +117,9 @@ struct PathTracer::State {
     void shadeAll(int event, const std::vector<Aov> &wanted, int aovChannels);
     void escape(std::size_t i);
     void lookUpEscaped();
-    static void seeEnvironment(Path &path, const Vec3 &radiance, float lightPdf);
+    void seeEnvironment(Path &path, const Vec3 &radiance, float lightPdf);
     /// Adds the quad and sphere lights on a ray's way; true where a camera ray ends on one.
-    bool meetLights(Path &path, const Ray &ray, float farthest) const;
+    bool meetLights(Path &path, const Ray &ray, float farthest);
     void shade(int event, Index index, const Ray &ray, const Hit &hit, const std::vector<Aov> &wanted, int aovChannels);
     [[nodiscard]] bool waits(int event, std::size_t i, int aovChannels);
     void prefetch(std::size_t i) const;

@@ -216,6 +216,7 @@ FrameFacts settingFacts(const Scene &scene, const FrameOptions &whole, int frame
     const Window w = whole.window.empty() ? Window{0, 0, r.width, r.height} : whole.window;
     std::string aovs;
     for (const Aov aov : whole.aovs) aovs += (aovs.empty() ? "" : ",") + std::string(infoOf(aov).name);
+    for (const std::string &word : whole.layers.words()) aovs += (aovs.empty() ? "" : ",") + word;
     const auto text = [](const auto value) { return std::to_string(value); };
     return {{"version", TAUT_VERSION},
             {"version of Embree", std::string(embreeVersion())},
@@ -227,7 +228,7 @@ FrameFacts settingFacts(const Scene &scene, const FrameOptions &whole, int frame
             {"samples a pixel", text(whole.spp)},
             {"noise level", whole.noise ? formatNumber(*whole.noise) : "none"},
             {"time a frame", whole.seconds ? formatNumber(*whole.seconds) + " s" : "any"},
-            {"seed", text(whole.seed)},
+            {"seed", text(whole.seed) + (whole.independent ? ", samples independent" : "")},
             {"AOVs", aovs.empty() ? "none" : aovs}};
 }
 
@@ -348,7 +349,7 @@ MergedFrame mergeShards(const std::vector<std::string> &paths) {
         });
         if (pixels > bytes || !whole.window.contains(film.window()))
             throw InputError(shard.path + ": found other pixels than its head says, expected those of its frame");
-        if (!sum) sum.emplace(whole.window, film.aovs());
+        if (!sum) sum.emplace(whole.window, film.aovs(), film.layers());
         namingFile(shard.path, [&] { sum->merge(film); });
         whole.seconds += head.seconds;
         whole.times += head.times;

@@ -6,8 +6,8 @@ namespace taut {
 
 void PathTracer::State::connectLight(int event, Index index, const SurfacePoint &point, const FacetScattering &scattering) {
     Path &path = paths[index];
-    const LightSample light = sampleLight(scene.lights(), point.position, path.time, random1(path, dimensionOf(event, kLightChoice)),
-                                          random2(path, dimensionOf(event, kLightPoint)));
+    const LightChoice choice = chooseLight(scene.lights(), point.position, random1(path, dimensionOf(event, kLightChoice)));
+    const LightSample light = sampleLight(scene.lights(), choice, point.position, path.time, random2(path, dimensionOf(event, kLightPoint)));
     if (!(light.pdf > 0)) return;
     const Vec3 wi = point.frame.toLocal(light.direction);
     const float side = glm::dot(light.direction, point.geometricNormal);
@@ -22,6 +22,7 @@ void PathTracer::State::connectLight(int event, Index index, const SurfacePoint 
     if (!(maxComponent(contribution) > 0)) return;
     shadowRays.push_back(shadowRay(offsetOrigin(point, side > 0), point.position, light.direction, light.distance, path.time));
     shadowTests.push_back({index, contribution});
+    if (hasGroups()) shadowGroups.push_back(groupOfEntry(choice.entry));
 }
 
 void PathTracer::State::shade(int event, Index index, const Ray &ray, const Hit &hit, const std::vector<Aov> &wanted, int aovChannels) {
@@ -34,6 +35,7 @@ void PathTracer::State::shade(int event, Index index, const Ray &ray, const Hit 
         if (aovChannels > 0)
             writeAovs(scene, point, wanted, &aovs[static_cast<std::size_t>(index) * static_cast<std::size_t>(aovChannels)]);
     }
+    const auto group = [&] { return groupOf(scene.objectOfGeometry(hit.geometry), hit.primitive); };
     if (point.emission != Vec3(0)) {
         const LightPart part = scene.lightPartOf(scene.objectOfGeometry(hit.geometry), hit.primitive);
         float weight = 1;
@@ -42,9 +44,9 @@ void PathTracer::State::shade(int event, Index index, const Ray &ray, const Hit 
             const float pdf = emitterHitPdf(scene.lights(), part, ray.origin, path.time, hit.t, cosine);
             weight = powerHeuristic(path.scatterPdf, pdf);
         }
-        path.radiance += path.throughput * point.emission * weight;
+        addLight(path, path.throughput * point.emission * weight, group);
     }
-    if (!point.scatters) path.radiance += path.throughput * point.baseColor;
+    if (!point.scatters) addLight(path, path.throughput * point.baseColor, group);
     if (event >= settings.maxEvents || !point.scatters) return;
 
     const Vec3 wo = point.frame.toLocal(-ray.direction);

@@ -5,6 +5,8 @@
 
 namespace taut {
 
+struct LayerTables;
+
 /// Rays of a render in the order they were traced, for replay. Not thread safe: record with one thread.
 struct RayRecord {
     std::vector<Ray> camera, scattered, shadow;
@@ -16,6 +18,8 @@ struct TraceSettings {
     bool boxFilter = false;
     std::uint32_t seed = 0; ///< of this frame
     RayRecord *record = nullptr;
+    const LayerTables *layers = nullptr; ///< by what a film's layers are found; null: it has none with sums
+    bool independent = false; ///< no sample knows of the others of its pixel: noisier, and what statistics of independent samples are held to
     bool oneByOne = false; ///< shade no hits at once (hit_lanes.h): to measure, and to test that nothing changes
 };
 

@@ -167,6 +167,9 @@ class SceneCheck {
         checkPlacement(at, object.placement);
         checkSurface(at, object);
         checkParam(at, "emission", object.emission, kNotNegative);
+        checkOptionalIndex(at, "emissionGroup", object.emissionGroup, scene_.lightGroups.size(), "lightGroups");
+        for (const Emission &emission : object.slotEmission)
+            checkOptionalIndex(at, "slotEmission", emission.group, scene_.lightGroups.size(), "lightGroups");
         if (!object.slotEmission.empty()) checkCount(at, "slotEmission", object.slotEmission.size(), object.materials.size());
         for (const Emission &emission : object.slotEmission) checkParam(at, "slotEmission", emission.radiance, kNotNegative);
     }
@@ -188,7 +191,8 @@ class SceneCheck {
         void flag(std::string_view /*key*/, bool /*value*/) const {}
     };
 
-    static void checkLight(const Part &at, const Light &light) {
+    void checkLight(const Part &at, const Light &light) const {
+        checkOptionalIndex(at, "group", light.group, scene_.lightGroups.size(), "lightGroups");
         std::visit(
             [&](auto shape) {
                 LightKeys keys{at, light};

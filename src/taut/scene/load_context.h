@@ -74,6 +74,8 @@ void loadRender(LoadContext &context, const TomlValue &section);
 void loadImage(LoadContext &context, const TomlValue &section);
 /// [[light]]: appends a light, or makes objects emit.
 void loadLights(LoadContext &context, const TomlValue &section);
+/// The group of lights that a `group` names, new or known.
+Index lightGroup(LoadContext &context, const TomlValue &value);
 void loadEnvironment(LoadContext &context, const TomlValue &section);
 /// [camera]; null: all defaults. Where it gives no position, look_at or gltf, the camera is `fallback`'s, else framed.
 void loadCamera(LoadContext &context, const TomlValue *section, const std::string &fallbackGltf);

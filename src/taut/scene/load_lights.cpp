@@ -8,6 +8,7 @@ namespace {
 
 constexpr std::string_view kMesh = "mesh"; ///< the type of [[light]] that is no Light: objects emit
 constexpr std::string_view kSlot = "slot"; ///< its key for one of a mesh's materials
+constexpr std::string_view kGroup = "group";
 
 /// The words for a light's keys: here they read a table.
 struct LightKeys {
@@ -48,6 +49,7 @@ std::vector<std::string_view> allKeys() {
     });
     keys.names.push_back(kMesh);
     keys.names.push_back(kSlot);
+    keys.names.push_back(kGroup);
     keys.names.insert(keys.names.end(), keys.flags.begin(), keys.flags.end());
     return keys.names;
 }
@@ -57,7 +59,7 @@ bool setSlotEmission(Object &object, const std::string &slot, const Emission &em
     const std::vector<std::string> &names = object.mesh->materialNames;
     const auto found = std::find(names.begin(), names.end(), slot);
     if (found == names.end()) return false;
-    if (object.slotEmission.empty()) object.slotEmission.assign(names.size(), {object.emission, object.emissionTwoSided});
+    if (object.slotEmission.empty()) object.slotEmission.assign(names.size(), emissionOf(object, 0));
     object.slotEmission[static_cast<std::size_t>(found - names.begin())] = emission;
     return true;
 }
@@ -68,6 +70,7 @@ void addMeshLight(LoadContext &context, TableReader &table) {
     Emission emission{{Vec3(1)}};
     table.read("radiance", emission.radiance, [&](const TomlValue &v) { return toColorParam(context, v, kNotNegative); });
     table.read("two_sided", emission.twoSided);
+    if (const TomlValue *group = table.find(kGroup)) emission.group = lightGroup(context, *group);
     const std::string prefix = toText(target) + "/";
     bool found = false;
     bool slotFound = slot == nullptr;
@@ -81,6 +84,7 @@ void addMeshLight(LoadContext &context, TableReader &table) {
         } else {
             object.emission = emission.radiance;
             object.emissionTwoSided = emission.twoSided;
+            if (emission.group != kNone) object.emissionGroup = emission.group;
             object.slotEmission.clear();
         }
         context.meshLights |= emission.radiance.value != Vec3(0);
@@ -109,6 +113,21 @@ Light toLight(TableReader &table, const LightShape &kind) {
 
 } // namespace
 
+Index lightGroup(LoadContext &context, const TomlValue &value) {
+    constexpr std::size_t kLongest = 40;
+    const std::string &name = toText(value);
+    const bool isName = !name.empty() && name.size() <= kLongest && std::all_of(name.begin(), name.end(), [](char c) {
+        return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
+    });
+    if (!isName)
+        failInput(value.where, quoted(name), "a name of 1 to 40 letters of ASCII, digits and underscores, which layers of images may have");
+    std::vector<std::string> &groups = context.scene.lightGroups;
+    const auto found = std::find(groups.begin(), groups.end(), name);
+    if (found != groups.end()) return static_cast<Index>(found - groups.begin());
+    groups.push_back(name);
+    return static_cast<Index>(groups.size() - 1);
+}
+
 void loadLights(LoadContext &context, const TomlValue &section) {
     if (section.kind != TomlValue::Kind::Array) failInput(section.where, describe(section), "tables [[light]]");
     Names<std::optional<LightShape>> kinds;
@@ -119,10 +138,12 @@ void loadLights(LoadContext &context, const TomlValue &section) {
         TableReader table(entry, "[[light]]", keys);
         std::optional<LightShape> kind = LightShape();
         table.read("type", kind, oneOf(kinds));
-        if (kind)
+        if (kind) {
             context.scene.lights.push_back(toLight(table, *kind));
-        else
+            if (const TomlValue *group = table.find(kGroup)) context.scene.lights.back().group = lightGroup(context, *group);
+        } else {
             addMeshLight(context, table);
+        }
         table.finish();
     }
 }

@@ -119,7 +119,9 @@ void addGltf(LoadContext &context, TableReader &table, const TomlValue &file, Ob
     const RigMotion motion = loadGltfMotion(context, table, gltf);
     bool lights = true;
     table.read("lights", lights);
+    const std::size_t before = context.scene.lights.size();
     if (lights) addGltfLights(context, *gltf, motion, common.placement);
+    for (std::size_t i = before; i < context.scene.lights.size(); ++i) context.scene.lights[i].group = common.emissionGroup;
     addGltfObjects(context, common, gltf, motion, table, file.where);
     table.finish();
 }
@@ -202,7 +204,7 @@ void loadMeshes(LoadContext &context, const TomlValue &section) {
         TableReader table(entry, "[[mesh]]",
                           {"file",       "name",       "material", "subdivision",   "smooth", "follow", "rest",   "translate",
                            "rotate_deg", "scale",      "up",       "clip",          "loop",   "lights", "deform", "scheme",
-                           "boundary",   "crease_deg", "gradient", "interpolation", "lean",   "cache",  "variant"});
+                           "boundary",   "crease_deg", "gradient", "interpolation", "lean",   "cache",  "variant", "group"});
         const TomlValue &file = table.required("file", "file = \"mesh.obj\"");
         const auto given = context.given.find(toText(file));
         Object object;
@@ -211,6 +213,7 @@ void loadMeshes(LoadContext &context, const TomlValue &section) {
         loadSurfaceModel(table, object);
         table.read("smooth", object.smooth);
         table.read("follow", object.follow);
+        if (const TomlValue *group = table.find("group")) object.emissionGroup = lightGroup(context, *group);
         table.read("rest", object.rest, toRest);
         if (const TomlValue *deform = table.find("deform")) object.deformers = loadDeformers(*context.budget(), *deform);
         object.placement = loadPlacement(table, isGltfPath(file.text));

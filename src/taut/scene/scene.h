@@ -68,6 +68,7 @@ struct RestState {
 struct Emission {
     ColorParam radiance{Vec3(0)}; ///< of the outward side, W / (m^2 sr)
     bool twoSided = false;
+    Index group = kNone; ///< of slots: into Scene::lightGroups; none: the object's
 };
 
 /// One mesh with its materials and motion.
@@ -90,13 +91,14 @@ struct Object {
     RestState rest;
     ColorParam emission{Vec3(0)}; ///< radiance of the outward side, W / (m^2 sr); non-zero makes the object a light
     bool emissionTwoSided = false;
+    Index emissionGroup = kNone; ///< into Scene::lightGroups; none: "emission"
     std::vector<Emission>
         slotEmission; ///< [materials] where material slots shine each for itself, in the place of `emission`; may be empty
 };
 
 /// What a material slot of an object emits.
 inline Emission emissionOf(const Object &object, Index slot) {
-    if (object.slotEmission.empty()) return {object.emission, object.emissionTwoSided};
+    if (object.slotEmission.empty()) return {object.emission, object.emissionTwoSided, object.emissionGroup};
     return object.slotEmission[std::min<std::size_t>(slot, object.slotEmission.size() - 1)];
 }
 /// Whether any part of an object shines.
@@ -170,6 +172,7 @@ struct Scene {
     Camera camera;
     std::optional<Environment> environment;
     std::vector<Light> lights;
+    std::vector<std::string> lightGroups; ///< names that lights and emission are grouped by for their AOVs (render/light_groups.h)
     std::vector<Material> materials;
     std::vector<Texture> textures;
     std::vector<Object> objects;

@@ -41,6 +41,7 @@ struct Light {
     Vec3 radiance{1}; ///< or what its kind says that it is
     LightShape shape;
     bool cameraVisible = false; ///< seen directly by camera rays, where rays can meet it
+    Index group = kNone;        ///< into Scene::lightGroups; none: that of its kind, by its name
 };
 
 } // namespace taut
