@@ -57,7 +57,7 @@ void setBits(const std::string &bits, const Location &where, ImageSettings &sett
 }
 
 bool isColourChannel(std::string_view name) {
-    if (beginsWithCrypto(name)) return false;
+    if (beginsWithCrypto(name) || name.starts_with("Variance.")) return false;
     const std::size_t dot = name.rfind('.');
     const std::string_view last = dot == std::string_view::npos ? name : name.substr(dot + 1);
     return last == "R" || last == "G" || last == "B" || last == "A";

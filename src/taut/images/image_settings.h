@@ -41,7 +41,7 @@ void checkCompressionOf(const std::string &compression, const std::vector<std::s
 void setBits(const std::string &bits, const Location &where, ImageSettings &settings);
 
 /// Whether a channel holds a colour or its coverage, which half floats are enough for: R, G, B, A, alone or at the end of a layer's name;
-/// not those of Cryptomatte, whose colours are numbers of objects.
+/// not those of Cryptomatte, whose colours are numbers of objects, nor variances, whose small values halves lose.
 bool isColourChannel(std::string_view name);
 
 } // namespace taut
