@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 
@@ -11,10 +12,11 @@ namespace {
 
 constexpr double kMostDwaLevel = 1e5;
 
-bool beginsWithCrypto(std::string_view name) {
-    constexpr std::string_view kCrypto = "crypto";
-    return name.size() >= kCrypto.size() && std::equal(kCrypto.begin(), kCrypto.end(), name.begin(),
-                                                       [](char want, char have) { return have == want || have == want - 'a' + 'A'; });
+/// Numbers of objects, and squares: what a colour may lose of either is too much.
+bool isExactData(std::string_view channel) {
+    std::string first(channel.substr(0, 6));
+    for (char &c : first) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return first == "crypto" || channel.starts_with("Variance.");
 }
 
 } // namespace
@@ -43,7 +45,7 @@ void checkCompressionOf(const std::string &compression, const std::vector<std::s
     const std::string name = compression.substr(0, compression.find(':'));
     if (std::find(kChanging.begin(), kChanging.end(), name) == kChanging.end()) return;
     for (const std::string &channel : channels)
-        if (beginsWithCrypto(channel))
+        if (isExactData(channel))
             failInput({"compression"}, name + ", which changes the numbers of " + channel, "zip, zips, piz, rle or none");
 }
 
@@ -57,7 +59,7 @@ void setBits(const std::string &bits, const Location &where, ImageSettings &sett
 }
 
 bool isColourChannel(std::string_view name) {
-    if (beginsWithCrypto(name) || name.starts_with("Variance.")) return false;
+    if (isExactData(name)) return false;
     const std::size_t dot = name.rfind('.');
     const std::string_view last = dot == std::string_view::npos ? name : name.substr(dot + 1);
     return last == "R" || last == "G" || last == "B" || last == "A";

@@ -34,7 +34,7 @@ const std::vector<std::string_view> &exrCompressions();
 /// Throws InputError at `where` for another name, or a level that is none.
 void checkCompression(const std::string &compression, const Location &where);
 /// Throws InputError where channels would not survive a compression that changes values: those of Cryptomatte, which are numbers of
-/// objects.
+/// objects, and variances.
 void checkCompressionOf(const std::string &compression, const std::vector<std::string> &channels);
 
 /// Sets what one of "8" and "16" (PNG), "half" and "float" (EXR) is about. Throws InputError at `where` where it is none of them.
