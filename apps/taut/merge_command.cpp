@@ -1,6 +1,7 @@
 /// taut merge: shards of frames -> the images of these frames, as one process would have rendered them.
 
 #include "commands.h"
+#include "denoised_image.h"
 #include "image_output.h"
 
 #include "taut/base/frame_set.h"
@@ -64,10 +65,12 @@ int merge(const MergeArguments &arguments) {
             failInput({pathOfFrame(arguments.outputs.front(), frame)}, fmt::format("no shard of frame {}", frame), "all of them");
         checkShards(paths);
     }
+    std::optional<FrameDenoiser> denoiser;
     for (const auto &[frame, paths] : shards) {
         if (isSkipped(frame)) continue;
         const MergedFrame merged = mergeShards(paths);
-        writeImages(merged.head, merged.film, pathsOf(arguments.outputs, frame));
+        if (!denoiser) denoiser = denoiserOf(merged.head);
+        writeImages(merged.head, merged.film, pathsOf(arguments.outputs, frame), denoiser ? &*denoiser : nullptr);
         if (!arguments.quiet)
             fmt::print(stderr, "frame {}: {} shards, {} samples a pixel, {:.2f} s -> {}\n", frame, paths.size(), merged.film.samples(),
                        merged.head.seconds, pathOfFrame(arguments.outputs.front(), frame));

@@ -15,6 +15,8 @@ namespace taut {
 namespace {
 
 constexpr std::string_view kMagic = "taut film 2\n";
+/// Among the names of its AOVs: sums for denoising follow.
+constexpr std::string_view kDenoise = "+denoise";
 /// Pixels that are read or written at once.
 constexpr std::size_t kBlock = 4096;
 /// Bytes of a stream that can't tell how many it has.
@@ -120,7 +122,8 @@ class Unpacker {
 
 } // namespace
 
-Film::Film(const Window &window, const std::vector<Aov> &aovs) : window_(window), aovs_(aovs) {
+Film::Film(const Window &window, const std::vector<Aov> &aovs, int denoiseBlock) : window_(window), aovs_(aovs) {
+    if (denoiseBlock > 0) denoise_.emplace(window, denoiseBlock);
     for (const Aov aov : aovs_) stride_ += infoOf(aov).channels.size();
     const std::size_t pixels = window.empty() ? 0 : static_cast<std::size_t>(window.width()) * static_cast<std::size_t>(window.height());
     counts_.assign(pixels, 0);
@@ -150,8 +153,10 @@ void Film::add(int x, int y, const Vec3 &radiance, float alpha, const float *aov
 
 void Film::merge(const Film &other) {
     if (other.aovs_ != aovs_) throw InputError("film: found a film with other AOVs, expected the same ones to merge");
+    if (other.denoise_.has_value() != denoise_.has_value())
+        throw InputError("film: found sums for denoising in one film and none in the other, expected them in both or in none");
     if (!window_.contains(other.window_)) {
-        Film both(unionOf(window_, other.window_), aovs_);
+        Film both(unionOf(window_, other.window_), aovs_, denoiseBlock());
         both.merge(*this);
         *this = std::move(both);
     }
@@ -163,9 +168,11 @@ void Film::merge(const Film &other) {
             hits_[to] += other.hits_[from];
             for (std::size_t c = 0; c < stride_; ++c) sums_[to * stride_ + c].add(other.sums_[from * stride_ + c]);
         }
+    if (denoise_) denoise_->merge(*other.denoise_);
 }
 
 void Film::copy(const Film &from, const Window &part) {
+    if (denoise_ && from.denoise_) denoise_->copy(*from.denoise_, part);
     const auto width = static_cast<std::size_t>(part.width());
     for (int y = part.y0; y < part.y1; ++y) {
         const std::size_t source = from.pixelAt(part.x0, y);
@@ -206,6 +213,7 @@ std::vector<float> Film::resolve() const {
 void Film::save(std::ostream &out) const {
     out << kMagic;
     for (const Aov aov : aovs_) out << infoOf(aov).name << ' ';
+    if (denoise_) out << kDenoise << ' ';
     out << '\n';
     const std::array<std::int32_t, 4> window{window_.x0, window_.y0, window_.x1, window_.y1};
     writeRaw(out, window.data(), window.size());
@@ -218,6 +226,7 @@ void Film::save(std::ostream &out) const {
         for (std::size_t i = first * stride_; i < (first + block) * stride_; ++i) packSum(sums_[i], bytes);
         writeRaw(out, bytes.data(), bytes.size());
     }
+    if (denoise_) denoise_->save(out);
 }
 
 Film Film::load(std::istream &in) {
@@ -225,6 +234,7 @@ Film Film::load(std::istream &in) {
     if (!in.read(magic.data(), static_cast<std::streamsize>(magic.size())) || magic != kMagic)
         throw InputError("film: found other bytes at its begin, expected 'taut film 2'");
     std::vector<Aov> aovs;
+    bool denoises = false;
     std::string name;
     for (int c = in.get(); c != '\n'; c = in.get()) {
         if (c == std::istream::traits_type::eof() || name.size() > 64) throw InputError("film: found no end of the names of its AOVs");
@@ -233,7 +243,10 @@ Film Film::load(std::istream &in) {
             continue;
         }
         const std::string_view view = name;
-        aovs.push_back(aovsNamed({&view, 1}, "film").front());
+        if (view == kDenoise)
+            denoises = true;
+        else
+            aovs.push_back(aovsNamed({&view, 1}, "film").front());
         name.clear();
     }
     std::array<std::int32_t, 4> w{};
@@ -260,6 +273,7 @@ Film Film::load(std::istream &in) {
         unpacker.counts({film.hits_.data() + first, last - first});
         for (std::size_t i = first * film.stride_; i < last * film.stride_; ++i) film.sums_.push_back(unpacker.sum());
     }
+    if (denoises) film.denoise_ = DenoiseSums::load(in, window);
     return film;
 }
 

@@ -200,7 +200,7 @@ FrameFacts settingFacts(const Scene &scene, const FrameOptions &whole, int frame
     std::string aovs;
     for (const Aov aov : whole.aovs) aovs += (aovs.empty() ? "" : ",") + std::string(infoOf(aov).name);
     const auto text = [](const auto value) { return std::to_string(value); };
-    return {{"version", TAUT_VERSION},
+    FrameFacts facts{{"version", TAUT_VERSION},
             {"version of Embree", std::string(embreeVersion())},
             {"version of the C library", libraryVersion()},
             {"frame", text(frame)},
@@ -212,6 +212,8 @@ FrameFacts settingFacts(const Scene &scene, const FrameOptions &whole, int frame
             {"time a frame", whole.seconds ? formatNumber(*whole.seconds) + " s" : "any"},
             {"seed", text(whole.seed)},
             {"AOVs", aovs.empty() ? "none" : aovs}};
+    if (whole.denoiseBlock > 0) facts.emplace_back("denoising", "halves in blocks of " + text(whole.denoiseBlock));
+    return facts;
 }
 
 std::string differenceOf(const FrameFacts &found, const FrameFacts &expected) {

@@ -5,6 +5,8 @@
 
 namespace taut {
 
+class FrameBefore;
+
 /// Rays of a render in the order they were traced, for replay. Not thread safe: record with one thread.
 struct RayRecord {
     std::vector<Ray> camera, scattered, shadow;
@@ -17,6 +19,7 @@ struct TraceSettings {
     std::uint32_t seed = 0; ///< of this frame
     RayRecord *record = nullptr;
     bool oneByOne = false; ///< shade no hits at once (hit_lanes.h): to measure, and to test that nothing changes
+    const FrameBefore *before = nullptr; ///< of a film that is denoised over frames
 };
 
 } // namespace taut

@@ -1,0 +1,165 @@
+#include "taut/render/denoise.h"
+
+#include "taut/base/parallel.h"
+#include "taut/render/denoise_regression.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+namespace taut {
+
+namespace {
+
+/// Radius over which errors are averaged: one pixel says little of its own.
+constexpr int kErrorRadius = 4;
+/// And that over which a choice passes into the next.
+constexpr int kBlendRadius = 1;
+/// Where it is not known how many samples there will be.
+constexpr int kBlockOfUnknown = 8;
+
+/// A way to filter, and what is thought of it.
+struct Candidate {
+    ColourPlanes colour;
+    Plane error; ///< mean squared error of a colour, relative to `brightness`
+};
+
+/// What errors are relative to: the square of the light around a pixel.
+Plane brightnessOf(const DenoisePixels &p, const ColourPlanes &colour) {
+    Plane light(p.alpha.size());
+    double sum = 0;
+    for (std::size_t i = 0; i < light.size(); ++i) {
+        light[i] = (colour[0][i] + colour[1][i] + colour[2][i]) / 3;
+        sum += static_cast<double>(light[i]);
+    }
+    boxMean(light, p.width, p.height, 1);
+    const auto floor = static_cast<float>(0.01 * sum * sum / std::max(1.0, static_cast<double>(light.size() * light.size())) + 1e-30);
+    for (float &l : light) l = l * l + floor;
+    return light;
+}
+
+/// The mean of both halves' predictions, as each pixel has samples in them; and the variance of that.
+Guide guideOf(const DenoisePixels &p, const Regressed &r) {
+    Guide guide;
+    const std::size_t count = p.alpha.size();
+    for (Plane &plane : guide.colour) plane.assign(count, 0);
+    guide.variance.assign(count, 0);
+    for (std::size_t i = 0; i < count; ++i)
+        for (std::size_t c = 0; c < 3; ++c) {
+            const float a = r.half[0][c][i];
+            const float b = r.half[1][c][i];
+            guide.colour[c][i] = 0.5F * (a + b);
+            guide.variance[i] += (a - b) * (a - b) / 12;
+        }
+    boxMean(guide.variance, p.width, p.height, 1);
+    return guide;
+}
+
+/// A prediction from one half is held against the other half, which it knows nothing of: what it differs by beyond the noise there is its
+/// error. The mean of both predictions has less: half of what they differ by.
+Candidate candidateOf(const DenoisePixels &p, const Regressed &r, const Plane &brightness) {
+    Candidate candidate;
+    candidate.colour = guideOf(p, r).colour;
+    candidate.error.assign(p.alpha.size(), 0);
+    parallelFor(p.alpha.size(), 4096, [&](std::size_t i) {
+        if (p.trust[i] == 0) return;
+        float error = 0;
+        float weight = 0;
+        for (std::size_t half = 0; half < 2; ++half) {
+            const float share = p.share[1 - half][i];
+            if (share == 0) continue;
+            weight += share;
+            for (std::size_t c = 0; c < 3; ++c) {
+                const float apart = r.half[half][c][i] - p.half[1 - half][c][i];
+                error += share * (apart * apart - p.variance[c][i] / share) / 3;
+            }
+        }
+        float between = 0;
+        for (std::size_t c = 0; c < 3; ++c) {
+            const float apart = r.half[0][c][i] - r.half[1][c][i];
+            between += apart * apart / 12;
+        }
+        if (weight > 0) candidate.error[i] = (error / weight - between) / brightness[i];
+    });
+    boxMean(candidate.error, p.width, p.height, kErrorRadius);
+    for (std::size_t i = 0; i < candidate.error.size(); ++i)
+        if (r.known[i] == 0) candidate.error[i] = kInfinity;
+    return candidate;
+}
+
+Candidate unfiltered(const DenoisePixels &p, const Plane &brightness) {
+    Candidate candidate{p.mean, Plane(p.alpha.size())};
+    for (std::size_t i = 0; i < candidate.error.size(); ++i)
+        candidate.error[i] = p.trust[i] * (p.variance[0][i] + p.variance[1][i] + p.variance[2][i]) / (3 * brightness[i]);
+    boxMean(candidate.error, p.width, p.height, kErrorRadius);
+    for (std::size_t i = 0; i < candidate.error.size(); ++i)
+        if (p.trust[i] == 0) candidate.error[i] = kInfinity;
+    return candidate;
+}
+
+/// Of each pixel the candidate of the least error, with soft seams.
+Denoised best(const DenoisePixels &p, const std::vector<Candidate> &candidates, const Plane &brightness) {
+    const std::size_t count = p.alpha.size();
+    std::vector<std::uint8_t> chosen(count, 0);
+    for (std::size_t i = 0; i < count; ++i)
+        for (std::size_t k = 1; k < candidates.size(); ++k)
+            if (candidates[k].error[i] < candidates[chosen[i]].error[i]) chosen[i] = static_cast<std::uint8_t>(k);
+    Denoised out;
+    out.rgb.assign(3 * count, 0);
+    out.error.assign(count, 0);
+    for (std::size_t k = 0; k < candidates.size(); ++k) {
+        Plane share(count);
+        for (std::size_t i = 0; i < count; ++i) share[i] = chosen[i] == k ? 1.0F : 0.0F;
+        boxMean(share, p.width, p.height, kBlendRadius);
+        for (std::size_t i = 0; i < count; ++i) {
+            if (share[i] == 0) continue;
+            // What is no choice of this pixel is none of its neighbours' either.
+            const bool valid = candidates[k].error[i] < kInfinity;
+            const Candidate &from = candidates[valid ? k : chosen[i]];
+            for (std::size_t c = 0; c < 3; ++c) out.rgb[3 * i + c] += share[i] * from.colour[c][i];
+            out.error[i] += share[i] * std::max(0.0F, from.error[i] < kInfinity ? from.error[i] : 0.0F);
+        }
+    }
+    for (std::size_t i = 0; i < count; ++i) out.error[i] = std::sqrt(out.error[i] * brightness[i]);
+    return out;
+}
+
+} // namespace
+
+int denoiseBlockOf(int samples, bool known) {
+    return known ? std::max(1, samples / 2) : kBlockOfUnknown;
+}
+
+Denoised denoise(const Film &film) {
+    return denoise(denoisePixelsOf(film));
+}
+
+Denoised denoise(const DenoisePixels &pixels) {
+    std::vector<Candidate> candidates;
+    RegressionScale small;
+    small.radius = 3;
+    small.stride = 2;
+    const Regressed first = regress(pixels, small, nullptr);
+    const Guide guide = guideOf(pixels, first);
+    const Plane brightness = brightnessOf(pixels, guide.colour);
+    candidates.push_back(unfiltered(pixels, brightness));
+    candidates.push_back(candidateOf(pixels, first, brightness));
+    RegressionScale middle;
+    middle.radius = 7;
+    middle.stride = 4;
+    middle.curved = true;
+    candidates.push_back(candidateOf(pixels, regress(pixels, middle, &guide), brightness));
+    RegressionScale large;
+    large.radius = 14;
+    large.stride = 8;
+    large.curved = true;
+    large.lonely = false;
+    candidates.push_back(candidateOf(pixels, regress(pixels, large, &guide), brightness));
+    if (const char *only = std::getenv("DN_ONLY")) { // dev
+        Denoised out = best(pixels, {candidates[static_cast<std::size_t>(std::atoi(only))]}, brightness);
+        return out;
+    }
+    return best(pixels, candidates, brightness);
+}
+
+} // namespace taut
