@@ -1,11 +1,11 @@
 #include "taut/render/denoise.h"
 
 #include "taut/base/parallel.h"
+#include "taut/render/denoise_oidn.h"
 #include "taut/render/denoise_regression.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 
 namespace taut {
 
@@ -17,6 +17,11 @@ constexpr int kErrorRadius = 4;
 constexpr int kBlendRadius = 1;
 /// Where it is not known how many samples there will be.
 constexpr int kBlockOfUnknown = 8;
+
+/// The filters: windows of three sizes. The first sees features alone, and is the guide of the others.
+constexpr RegressionScale kSmall{.radius = 4, .stride = 4, .gloss = 3};
+constexpr RegressionScale kMiddle{.radius = 8, .stride = 7, .curved = true, .lonely = false, .gloss = 3, .guide = 1.5F};
+constexpr RegressionScale kLarge{.radius = 15, .stride = 13, .curved = true, .lonely = false, .gloss = 3, .guide = 1.5F};
 
 /// A way to filter, and what is thought of it.
 struct Candidate {
@@ -135,30 +140,21 @@ Denoised denoise(const Film &film) {
 }
 
 Denoised denoise(const DenoisePixels &pixels) {
-    std::vector<Candidate> candidates;
-    RegressionScale small;
-    small.radius = 3;
-    small.stride = 2;
-    const Regressed first = regress(pixels, small, nullptr);
+    if (pixels.alpha.empty()) return {};
+#ifdef TAUT_OPEN_IMAGE_DENOISE
+    const Regressed first = openImageDenoise(pixels);
+#else
+    const Regressed first = regress(pixels, kSmall, nullptr);
+#endif
     const Guide guide = guideOf(pixels, first);
     const Plane brightness = brightnessOf(pixels, guide.colour);
+    std::vector<Candidate> candidates;
     candidates.push_back(unfiltered(pixels, brightness));
     candidates.push_back(candidateOf(pixels, first, brightness));
-    RegressionScale middle;
-    middle.radius = 7;
-    middle.stride = 4;
-    middle.curved = true;
-    candidates.push_back(candidateOf(pixels, regress(pixels, middle, &guide), brightness));
-    RegressionScale large;
-    large.radius = 14;
-    large.stride = 8;
-    large.curved = true;
-    large.lonely = false;
-    candidates.push_back(candidateOf(pixels, regress(pixels, large, &guide), brightness));
-    if (const char *only = std::getenv("DN_ONLY")) { // dev
-        Denoised out = best(pixels, {candidates[static_cast<std::size_t>(std::atoi(only))]}, brightness);
-        return out;
-    }
+#ifndef TAUT_OPEN_IMAGE_DENOISE
+    for (const RegressionScale &scale : {kMiddle, kLarge})
+        candidates.push_back(candidateOf(pixels, regress(pixels, scale, &guide), brightness));
+#endif
     return best(pixels, candidates, brightness);
 }
 
