@@ -11,6 +11,10 @@ namespace taut {
 
 namespace {
 
+/// Of the variance that halves show; no points stratify each other better than it is believed.
+constexpr float kLeastShared = 0.05F;
+/// Standard errors of a pixel that a filter may differ from it by.
+constexpr float kMostErrors = 2.5F;
 /// Radius over which errors are averaged: one pixel says little of its own.
 constexpr int kErrorRadius = 4;
 /// And that over which a choice passes into the next.
@@ -18,10 +22,13 @@ constexpr int kBlendRadius = 1;
 /// Where it is not known how many samples there will be.
 constexpr int kBlockOfUnknown = 8;
 
-/// The filters: windows of three sizes. The first sees features alone, and is the guide of the others.
-constexpr RegressionScale kSmall{.radius = 4, .stride = 4, .gloss = 3};
-constexpr RegressionScale kMiddle{.radius = 8, .stride = 7, .curved = true, .lonely = false, .gloss = 3, .guide = 1.5F};
-constexpr RegressionScale kLarge{.radius = 15, .stride = 13, .curved = true, .lonely = false, .gloss = 3, .guide = 1.5F};
+/// The filters. The first sees features alone, and is the guide of those that see colours.
+constexpr RegressionScale kFirst{.radius = 4, .stride = 4, .gloss = 3};
+constexpr RegressionScale kOthers[] = {
+    {.radius = 3, .stride = 3, .gloss = 0},                                                                // mirrors, small things
+    {.radius = 6, .stride = 3, .gloss = 1},                                                                // long along a highlight, short across
+    {.radius = 8, .stride = 7, .curved = true, .lonely = false, .gloss = 3, .guide = 1.5F},
+    {.radius = 15, .stride = 13, .curved = true, .lonely = false, .gloss = 3, .guide = 1.5F}};
 
 /// A way to filter, and what is thought of it.
 struct Candidate {
@@ -60,9 +67,33 @@ Guide guideOf(const DenoisePixels &p, const Regressed &r) {
     return guide;
 }
 
+/// Share of what the halves' difference shows as the variance of their mean that is really there. Points that stratify each other err in
+/// opposite directions in the two, so that they differ by more than the mean errs; a prediction from one half, held against the other,
+/// bounds it.
+Plane sharedVariance(const DenoisePixels &p, const Regressed &r, const Plane &brightness) {
+    Plane apart(p.alpha.size());
+    Plane between(p.alpha.size());
+    for (std::size_t i = 0; i < apart.size(); ++i) {
+        if (p.trust[i] == 0 || p.share[0][i] == 0 || p.share[1][i] == 0) continue;
+        for (std::size_t c = 0; c < 3; ++c) {
+            for (std::size_t half = 0; half < 2; ++half) {
+                const float d = r.half[half][c][i] - p.half[1 - half][c][i];
+                apart[i] += p.share[1 - half][i] * d * d / brightness[i];
+            }
+            between[i] += p.variance[c][i] / brightness[i];
+        }
+    }
+    boxMean(apart, p.width, p.height, kErrorRadius);
+    boxMean(between, p.width, p.height, kErrorRadius);
+    // Of halves alike: half of (V + D^2) twice, less D^2, is V.
+    for (std::size_t i = 0; i < apart.size(); ++i)
+        apart[i] = between[i] > 0 ? std::clamp(apart[i] / between[i] - 1, kLeastShared, 1.0F) : 1.0F;
+    return apart;
+}
+
 /// A prediction from one half is held against the other half, which it knows nothing of: what it differs by beyond the noise there is its
 /// error. The mean of both predictions has less: half of what they differ by.
-Candidate candidateOf(const DenoisePixels &p, const Regressed &r, const Plane &brightness) {
+Candidate candidateOf(const DenoisePixels &p, const Regressed &r, const Plane &brightness, const Plane &shared) {
     Candidate candidate;
     candidate.colour = guideOf(p, r).colour;
     candidate.error.assign(p.alpha.size(), 0);
@@ -76,7 +107,7 @@ Candidate candidateOf(const DenoisePixels &p, const Regressed &r, const Plane &b
             weight += share;
             for (std::size_t c = 0; c < 3; ++c) {
                 const float apart = r.half[half][c][i] - p.half[1 - half][c][i];
-                error += share * (apart * apart - p.variance[c][i] / share) / 3;
+                error += share * (apart * apart - p.variance[c][i] * (1 / share - 1 + shared[i])) / 3;
             }
         }
         float between = 0;
@@ -92,14 +123,28 @@ Candidate candidateOf(const DenoisePixels &p, const Regressed &r, const Plane &b
     return candidate;
 }
 
-Candidate unfiltered(const DenoisePixels &p, const Plane &brightness) {
+Candidate unfiltered(const DenoisePixels &p, const Plane &brightness, const Plane &shared) {
     Candidate candidate{p.mean, Plane(p.alpha.size())};
     for (std::size_t i = 0; i < candidate.error.size(); ++i)
-        candidate.error[i] = p.trust[i] * (p.variance[0][i] + p.variance[1][i] + p.variance[2][i]) / (3 * brightness[i]);
+        candidate.error[i] = p.trust[i] * shared[i] * (p.variance[0][i] + p.variance[1][i] + p.variance[2][i]) / (3 * brightness[i]);
     boxMean(candidate.error, p.width, p.height, kErrorRadius);
     for (std::size_t i = 0; i < candidate.error.size(); ++i)
         if (p.trust[i] == 0) candidate.error[i] = kInfinity;
     return candidate;
+}
+
+/// What the samples of a pixel refute is not taken: a prediction stays within some of their standard errors. Those are no less than
+/// half of what they are around, for few samples may all have missed the same light.
+void holdToSamples(const DenoisePixels &p, Regressed &r) {
+    for (std::size_t c = 0; c < 3; ++c) {
+        Plane around = p.variance[c];
+        boxMean(around, p.width, p.height, 1);
+        for (std::size_t i = 0; i < around.size(); ++i) {
+            if (p.trust[i] == 0) continue;
+            const float reach = kMostErrors * std::sqrt(std::max(p.variance[c][i], 0.25F * around[i]));
+            for (ColourPlanes &half : r.half) half[c][i] = std::clamp(half[c][i], p.mean[c][i] - reach, p.mean[c][i] + reach);
+        }
+    }
 }
 
 /// Of each pixel the candidate of the least error, with soft seams.
@@ -142,19 +187,25 @@ Denoised denoise(const Film &film) {
 Denoised denoise(const DenoisePixels &pixels) {
     if (pixels.alpha.empty()) return {};
 #ifdef TAUT_OPEN_IMAGE_DENOISE
-    const Regressed first = openImageDenoise(pixels);
+    const bool own = false;
+    Regressed first = openImageDenoise(pixels);
 #else
-    const Regressed first = regress(pixels, kSmall, nullptr);
+    const bool own = true;
+    Regressed first = regress(pixels, kFirst, nullptr);
 #endif
+    holdToSamples(pixels, first);
     const Guide guide = guideOf(pixels, first);
     const Plane brightness = brightnessOf(pixels, guide.colour);
+    const Plane shared = sharedVariance(pixels, first, brightness);
     std::vector<Candidate> candidates;
-    candidates.push_back(unfiltered(pixels, brightness));
-    candidates.push_back(candidateOf(pixels, first, brightness));
-#ifndef TAUT_OPEN_IMAGE_DENOISE
-    for (const RegressionScale &scale : {kMiddle, kLarge})
-        candidates.push_back(candidateOf(pixels, regress(pixels, scale, &guide), brightness));
-#endif
+    candidates.push_back(unfiltered(pixels, brightness, shared));
+    candidates.push_back(candidateOf(pixels, first, brightness, shared));
+    if (own)
+        for (const RegressionScale &scale : kOthers) {
+            Regressed other = regress(pixels, scale, &guide);
+            holdToSamples(pixels, other);
+            candidates.push_back(candidateOf(pixels, other, brightness, shared));
+        }
     return best(pixels, candidates, brightness);
 }
 

@@ -29,9 +29,9 @@ inline constexpr float kMostAlbedo = 8;
 /// Lobes narrower than that are told apart no further.
 inline constexpr float kLeastGloss = 0.01F;
 
-/// Whether a sample tells its features. They vary less than light does: after the first, every fourth does.
+/// Whether a sample tells its features. They vary less than light does: after the first sixteen, every fourth does.
 inline bool tellsFeatures(std::uint32_t sample) {
-    return sample < 4 || sample % 4 == 0;
+    return sample < 16 || sample % 4 == 0;
 }
 
 /// Where all surfaces and the camera were at a frame, kept while the scene is brought to the next one.

@@ -128,7 +128,7 @@ void distrustSpikes(DenoisePixels &p) {
             const std::size_t own = static_cast<std::size_t>(y) * static_cast<std::size_t>(p.width) + static_cast<std::size_t>(x);
             const float variance = luminance(p.variance, own);
             const float light = luminance(p.mean, own);
-            if (!(variance > 0.25F * light * light / 9)) continue; // an error of half its value and more
+            if (!(variance > 0.1F * light * light)) continue; // an error of half its value and more
             std::array<float, 3> most{};
             float brightest = 0;
             for (int v = std::max(0, y - 2); v <= std::min(p.height - 1, y + 2); ++v)

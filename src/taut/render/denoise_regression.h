@@ -21,7 +21,7 @@ struct RegressionScale {
     bool lonely = true;  ///< pixels that no window resembles get their own
     float normal = 0.5F, albedo = 0.2F, alpha = 0.3F, depth = 0.1F, stretch = 0.3F; ///< depth, stretch: of logarithms
     float gloss = 1;  ///< in units of the lobe
-    float guide = 1;  ///< in units of the guide's noise
+    float guide = 0;  ///< in units of the guide's noise
 };
 
 /// A picture that has less noise; variance of each of its pixels, the mean of three colours.
