@@ -69,17 +69,15 @@ double meanFlip(const Pixels &image, const Pixels &reference, const RenderSettin
 
 /// Errors of every scene, and the worst of them.
 void addErrors(const ChartOptions &options, Chart &chart) {
-    const int width = options.pick(96, 160);
     Table table{"errors",
-                printed("relMSE and FLIP against %d samples: noisy, noisy in the time of the denoised one, denoised; pictures %d pixels wide",
-                        kReference, width),
-                {"scene", "spp", "relMSE", "same time (spp)", "denoised", "of same time", "FLIP", "same time", "denoised"},
+                printed("relMSE and FLIP against %d samples: noisy, noisy in the time of the denoised one, denoised", kReference),
+                {"scene", "pixels", "spp", "relMSE", "same time (spp)", "denoised", "of same time", "FLIP", "same time", "denoised"},
                 {}};
     Panel panel = lines({"ratio", "relMSE of the denoised picture over that of more samples in the same time",
-                         printed("%d pixels wide, all threads", width), {"samples a pixel", ""}, {"ratio of relMSE", ""}, {}});
+                         "all threads", {"samples a pixel", ""}, {"ratio of relMSE", ""}, {}});
     for (const DenoiseScene &entry : denoiseScenes()) {
-        const RenderScene ready(atWidth(entry.make(), width), false);
-        const_cast<RenderScene &>(ready).setFrame(entry.frame);
+        RenderScene ready(atWidth(entry.make(), entry.width * options.pick(1, 2)), false);
+        ready.setFrame(entry.frame);
         const RenderSettings &render = ready.scene().render;
         const Pixels truth = renderReady(ready, kReference, kReferenceSeed).values;
         std::vector<Pixels> strip;
@@ -88,7 +86,7 @@ void addErrors(const ChartOptions &options, Chart &chart) {
             const int same = std::max(spp, static_cast<int>(std::lround(spp * (taken.kept + taken.filter) / taken.plain)));
             const Pixels longer = coloursOf(renderFrame(ready, optionsOf(same, 1, false)).film);
             const double ratio = relativeMse(taken.denoised, truth) / relativeMse(longer, truth);
-            table.rows.push_back({entry.name, std::to_string(spp), printed("%.2e", relativeMse(taken.noisy, truth)),
+            table.rows.push_back({entry.name, printed("%d x %d", render.width, render.height), std::to_string(spp), printed("%.2e", relativeMse(taken.noisy, truth)),
                                   printed("%.2e (%d)", relativeMse(longer, truth), same), printed("%.2e", relativeMse(taken.denoised, truth)),
                                   printed("%.3f", ratio), printed("%.4f", meanFlip(taken.noisy, truth, render)),
                                   printed("%.4f", meanFlip(longer, truth, render)), printed("%.4f", meanFlip(taken.denoised, truth, render))});
@@ -179,7 +177,7 @@ void addFlicker(const ChartOptions &options, Chart &chart) {
                 {"scene", "spp", "flicker, noisy", "each frame denoised", "over frames", "relMSE, noisy", "each frame", "over frames"},
                 {}};
     for (const DenoiseScene &entry : movingScenes()) {
-        RenderScene ready(atWidth(entry.make(), options.pick(96, 160)), true);
+        RenderScene ready(atWidth(entry.make(), 96 * options.pick(1, 2)), true);
         std::vector<Pixels> truths;
         for (const int spp : {4, 16}) {
             FrameDenoiser alone(false);

@@ -16,6 +16,8 @@ constexpr float kOtherNormal = 0.4F, kOtherAlbedo = 0.15F, kOtherAlpha = 0.2F, k
 constexpr float kLeastSeen = 0.6F;
 /// The most that the older picture counts: no error is forgotten more slowly.
 constexpr float kMostKept = 0.8F;
+/// What the pictures differ by counts so much: a ghost weighs more than noise that stays.
+constexpr float kCaution = 1.25F;
 /// Radius over which the two pictures are held against each other.
 constexpr int kAgreementRadius = 3;
 
@@ -100,11 +102,14 @@ void blend(const DenoisePixels &now, const Older &older, Denoised &picture) {
         }
         expected[i] = picture.error[i] * picture.error[i];
     }
+    Plane close = apart; // what differs in one place is not to be lost among what agrees around it
+    Plane closeSeen = seen;
+    for (Plane *plane : {&close, &closeSeen}) boxMean(*plane, now.width, now.height, 1);
     for (Plane *plane : {&apart, &expected, &seen}) boxMean(*plane, now.width, now.height, kAgreementRadius);
     for (std::size_t i = 0; i < count; ++i) {
         if (older.seen[i] == 0 || !(seen[i] > 0)) continue;
         const float own = picture.error[i] * picture.error[i];
-        const float shown = (apart[i] - expected[i]) / seen[i];
+        const float shown = kCaution * std::max(apart[i] / seen[i], close[i] / closeSeen[i]) - expected[i] / seen[i];
         const float error = std::max({older.error[i], shown, 0.25F * own});
         const float kept = own + error > 0 ? std::min(kMostKept, own / (own + error)) : 0.0F;
         for (std::size_t c = 0; c < 3; ++c) picture.rgb[3 * i + c] += kept * (older.rgb[3 * i + c] - picture.rgb[3 * i + c]);

@@ -333,7 +333,7 @@ MergedFrame mergeShards(const std::vector<std::string> &paths) {
         });
         if (pixels > bytes || !whole.window.contains(film.window()))
             throw InputError(shard.path + ": found other pixels than its head says, expected those of its frame");
-        if (!sum) sum.emplace(whole.window, film.aovs());
+        if (!sum) sum.emplace(whole.window, film.aovs(), film.denoiseBlock());
         namingFile(shard.path, [&] { sum->merge(film); });
         whole.seconds += head.seconds;
         whole.times += head.times;
