@@ -46,7 +46,8 @@ TEST_CASE("--denoise: shards merge into the very files of the whole, over frames
         requireSuccess(render(place, "whole#.exr", {"--frames", "1-3", option}));
         for (const std::string by : {"samples", "rows"}) {
             const std::string name = by + "#.exr";
-            for (const std::string shard : {"1/2", "2/2"}) requireSuccess(render(place, name, {"--frames", "1-3", option, "--shard", shard, "--shard-by", by}));
+            for (const std::string shard : {"1/2", "2/2"})
+                requireSuccess(render(place, name, {"--frames", "1-3", option, "--shard", shard, "--shard-by", by}));
             requireSuccess(runTaut({"merge", "--frames", "1-3", "-q", "-o", place.path(name), "--remove-shards"}));
             for (const std::string frame : {"1", "2", "3"})
                 CHECK(readBytes(place.path(by + frame + ".exr")) == readBytes(place.path("whole" + frame + ".exr")));
@@ -60,7 +61,8 @@ TEST_CASE("--denoise: shards merge into the very files of the whole, over frames
 
 TEST_CASE("--denoise-frames is refused where frames are left out", "[denoise]") {
     const Workplace place("denoise_refused");
-    checkUsageError(render(place, "a#.exr", {"--frames", "1-2", "--denoise-frames", "--skip-existing"}), "--denoise-frames: found --skip-existing");
+    checkUsageError(render(place, "a#.exr", {"--frames", "1-2", "--denoise-frames", "--skip-existing"}),
+                    "--denoise-frames: found --skip-existing");
     checkUsageError(render(place, "a#.exr", {"--frames", "1-2", "--denoise-frames", "--only", "2"}), "--only");
     checkUsageError(render(place, "a#.exr", {"--frames", "1-4", "--denoise-frames", "--shard", "1/2"}), "shards of frames");
     checkUsageError(render(place, "a#.exr", {"--frames", "1-2", "--denoise-frames", "--fixed-seed"}), "a fixed seed");

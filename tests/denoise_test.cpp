@@ -214,7 +214,9 @@ TEST_CASE("denoise: what has no noise stays as it is", "[denoise]") {
 
 TEST_CASE("denoise: an edge against nothing bleeds neither way", "[denoise]") {
     const Window window{0, 0, 32, 32};
-    const Denoised d = denoise(filmOf(window, 8, 2, [](int x, int) { return x < 16 ? Seen{Vec3(5), 0.9F, true, flat()} : Seen{Vec3(0), 0, false, {}}; }));
+    const Denoised d = denoise(filmOf(window, 8, 2, [](int x, int) {
+        return x < 16 ? Seen{Vec3(5), 0.9F, true, flat()} : Seen{Vec3(0), 0, false, {}};
+    }));
     double inside = 0;
     for (int y = 0; y < 32; ++y) {
         for (int x = 16; x < 32; ++x) CHECK(at(d, window, x, y) < 1e-3F);
@@ -246,7 +248,8 @@ TEST_CASE("denoise: a bright highlight keeps its light and both its widths", "[d
         for (int y = 0; y < 48; ++y)
             for (int x = 0; x < 48; ++x)
                 for (int c = 0; c < 3; ++c) right.push_back(lobe(x, y));
-        CHECK(relativeMse(d.rgb, right) < (noise < 0.5F ? 0.85 : 0.5) * relativeMse(noisyOf(film), right)); // little is to be gained beside that edge
+        CHECK(relativeMse(d.rgb, right) <
+              (noise < 0.5F ? 0.85 : 0.5) * relativeMse(noisyOf(film), right)); // little is to be gained beside that edge
     }
 }
 
@@ -346,7 +349,9 @@ TEST_CASE("denoise: frames before lower the error of what stays, and leave no gh
     FrameDenoiser frames(true);
     for (int frame = 1; frame <= 6; ++frame) {
         // A light that passes over a surface that stands still: motion says nothing of it.
-        const Film film = filmOf(window, 4, static_cast<unsigned>(100 + frame), [&](int x, int y) { return Seen{Vec3(truthAt(frame, x, y)), 0.9F, true, flat()}; });
+        const Film film = filmOf(window, 4, static_cast<unsigned>(100 + frame), [&](int x, int y) {
+            return Seen{Vec3(truthAt(frame, x, y)), 0.9F, true, flat()};
+        });
         const Denoised one = denoise(film);
         const Denoised all = frames.next(film);
         if (frame < 3) continue;

@@ -35,7 +35,8 @@ struct Taken {
 Pixels coloursOf(const Film &film) {
     const std::vector<float> values = film.resolve(); // R G B A
     Pixels rgb;
-    for (std::size_t i = 0; i < values.size(); i += 4) rgb.insert(rgb.end(), values.begin() + static_cast<std::ptrdiff_t>(i), values.begin() + static_cast<std::ptrdiff_t>(i) + 3);
+    for (std::size_t i = 0; i < values.size(); i += 4)
+        rgb.insert(rgb.end(), values.begin() + static_cast<std::ptrdiff_t>(i), values.begin() + static_cast<std::ptrdiff_t>(i) + 3);
     return rgb;
 }
 
@@ -73,8 +74,12 @@ void addErrors(const ChartOptions &options, Chart &chart) {
                 printed("relMSE and FLIP against %d samples: noisy, noisy in the time of the denoised one, denoised", kReference),
                 {"scene", "pixels", "spp", "relMSE", "same time (spp)", "denoised", "of same time", "FLIP", "same time", "denoised"},
                 {}};
-    Panel panel = lines({"ratio", "relMSE of the denoised picture over that of more samples in the same time",
-                         "all threads", {"samples a pixel", ""}, {"ratio of relMSE", ""}, {}});
+    Panel panel = lines({"ratio",
+                         "relMSE of the denoised picture over that of more samples in the same time",
+                         "all threads",
+                         {"samples a pixel", ""},
+                         {"ratio of relMSE", ""},
+                         {}});
     for (const DenoiseScene &entry : denoiseScenes()) {
         RenderScene ready(atWidth(entry.make(), entry.width * options.pick(1, 2)), false);
         ready.setFrame(entry.frame);
@@ -86,16 +91,18 @@ void addErrors(const ChartOptions &options, Chart &chart) {
             const int same = std::max(spp, static_cast<int>(std::lround(spp * (taken.kept + taken.filter) / taken.plain)));
             const Pixels longer = coloursOf(renderFrame(ready, optionsOf(same, 1, false)).film);
             const double ratio = relativeMse(taken.denoised, truth) / relativeMse(longer, truth);
-            table.rows.push_back({entry.name, printed("%d x %d", render.width, render.height), std::to_string(spp), printed("%.2e", relativeMse(taken.noisy, truth)),
-                                  printed("%.2e (%d)", relativeMse(longer, truth), same), printed("%.2e", relativeMse(taken.denoised, truth)),
-                                  printed("%.3f", ratio), printed("%.4f", meanFlip(taken.noisy, truth, render)),
-                                  printed("%.4f", meanFlip(longer, truth, render)), printed("%.4f", meanFlip(taken.denoised, truth, render))});
+            table.rows.push_back({entry.name, printed("%d x %d", render.width, render.height), std::to_string(spp),
+                                  printed("%.2e", relativeMse(taken.noisy, truth)), printed("%.2e (%d)", relativeMse(longer, truth), same),
+                                  printed("%.2e", relativeMse(taken.denoised, truth)), printed("%.3f", ratio),
+                                  printed("%.4f", meanFlip(taken.noisy, truth, render)), printed("%.4f", meanFlip(longer, truth, render)),
+                                  printed("%.4f", meanFlip(taken.denoised, truth, render))});
             panel.points.push_back({entry.name, "", {static_cast<double>(spp)}, {ratio}});
             if (spp == kSamples.front()) strip = {taken.noisy, taken.denoised, truth};
         }
-        chart.pictures.push_back(writeStrip(options.directory, "denoise_" + fileNameOf(entry.name),
-                                            entry.name + ": 4 samples a pixel, the same denoised, " + std::to_string(kReference) + " samples",
-                                            strip, render.width, exposureOf(truth), 2));
+        chart.pictures.push_back(
+            writeStrip(options.directory, "denoise_" + fileNameOf(entry.name),
+                       entry.name + ": 4 samples a pixel, the same denoised, " + std::to_string(kReference) + " samples", strip,
+                       render.width, exposureOf(truth), 2));
     }
     chart.panels.push_back(std::move(panel));
     chart.tables.push_back(std::move(table));
@@ -113,7 +120,8 @@ Widths widthsOf(const Pixels &image, int width) {
     Widths widths;
     const auto each = [&](const auto &use) {
         for (std::size_t i = 0; i < image.size() / 3; ++i) {
-            const double l = 0.2126 * static_cast<double>(image[3 * i]) + 0.7152 * static_cast<double>(image[3 * i + 1]) + 0.0722 * static_cast<double>(image[3 * i + 2]);
+            const double l = 0.2126 * static_cast<double>(image[3 * i]) + 0.7152 * static_cast<double>(image[3 * i + 1]) +
+                             0.0722 * static_cast<double>(image[3 * i + 2]);
             use(l, static_cast<double>(i % static_cast<std::size_t>(width)), static_cast<double>(i / static_cast<std::size_t>(width)));
         }
     };
@@ -141,7 +149,8 @@ Widths widthsOf(const Pixels &image, int width) {
 void addHighlight(const ChartOptions &options, Chart &chart) {
     const int width = options.pick(96, 160);
     Table table{"highlight",
-                "A highlight on a stretched, sheared anisotropic plate: widths along its axes in pixels, their ratios to the reference's, its light",
+                "A highlight on a stretched, sheared anisotropic plate: widths along its axes in pixels, their ratios to the reference's, "
+                "its light",
                 {"picture", "long", "short", "long, ratio", "short, ratio", "light, ratio"},
                 {}};
     RenderScene ready(highlightScene(width), false);
@@ -161,8 +170,9 @@ void addHighlight(const ChartOptions &options, Chart &chart) {
         add(std::to_string(spp) + ", denoised", taken.denoised);
         if (strip.empty()) strip = {taken.noisy, taken.denoised, truth};
     }
-    chart.pictures.push_back(writeStrip(options.directory, "denoise_highlight", "The highlight: 4 samples a pixel, the same denoised, the reference", strip,
-                                        width, exposureOf(truth), 2));
+    chart.pictures.push_back(writeStrip(options.directory, "denoise_highlight",
+                                        "The highlight: 4 samples a pixel, the same denoised, the reference", strip, width,
+                                        exposureOf(truth), 2));
     chart.tables.push_back(std::move(table));
 }
 
@@ -170,12 +180,13 @@ void addHighlight(const ChartOptions &options, Chart &chart) {
 void addFlicker(const ChartOptions &options, Chart &chart) {
     constexpr int kFrames = 24;
     const int reference = options.pick(512, kReference);
-    Table table{"flicker",
-                printed("Flicker over %d frames: RMS change of the error from frame to frame over the mean light; relMSE of all frames; against "
-                        "%d samples",
-                        kFrames, reference),
-                {"scene", "spp", "flicker, noisy", "each frame denoised", "over frames", "relMSE, noisy", "each frame", "over frames"},
-                {}};
+    Table table{
+        "flicker",
+        printed("Flicker over %d frames: RMS change of the error from frame to frame over the mean light; relMSE of all frames; against "
+                "%d samples",
+                kFrames, reference),
+        {"scene", "spp", "flicker, noisy", "each frame denoised", "over frames", "relMSE, noisy", "each frame", "over frames"},
+        {}};
     for (const DenoiseScene &entry : movingScenes()) {
         RenderScene ready(atWidth(entry.make(), 96 * options.pick(1, 2)), true);
         std::vector<Pixels> truths;
@@ -219,8 +230,10 @@ void addFlicker(const ChartOptions &options, Chart &chart) {
 
 void addCosts(const ChartOptions &options, Chart &chart) {
     const int width = options.pick(512, 1024);
-    Table table{"costs", printed("Time and memory a megapixel, all threads, at %d pixels wide", width),
-                {"scene", "spp", "render, s", "with sums kept, s", "denoising, s", "film, MB", "with sums, MB", "while denoising, MB more"}, {}};
+    Table table{"costs",
+                printed("Time and memory a megapixel, all threads, at %d pixels wide", width),
+                {"scene", "spp", "render, s", "with sums kept, s", "denoising, s", "film, MB", "with sums, MB", "while denoising, MB more"},
+                {}};
     for (const DenoiseScene &entry : denoiseScenes()) {
         if (entry.name != "area light" && entry.name != "panel") continue;
         RenderScene ready(atWidth(entry.make(), width), false);
@@ -239,8 +252,8 @@ void addCosts(const ChartOptions &options, Chart &chart) {
         denoise(film);
         const double more = (peakMegabytes() - before) / megapixels;
         table.rows.push_back({entry.name, "4", printed("%.2f", taken.plain / megapixels), printed("%.2f", taken.kept / megapixels),
-                              printed("%.2f", taken.filter / megapixels), printed("%.0f", filmMegabytes(false)), printed("%.0f", filmMegabytes(true)),
-                              printed("%.0f", more)});
+                              printed("%.2f", taken.filter / megapixels), printed("%.0f", filmMegabytes(false)),
+                              printed("%.0f", filmMegabytes(true)), printed("%.0f", more)});
     }
     chart.tables.push_back(std::move(table));
 }
@@ -248,10 +261,11 @@ void addCosts(const ChartOptions &options, Chart &chart) {
 } // namespace
 
 Chart measureDenoise(const ChartOptions &options) {
-    Chart chart{"denoise", "Denoising",
-                "Pictures before and after denoising, and noisy pictures that were given the time of the denoised one, against the same plan's "
-                "at 4,096 samples with another seed.",
-                "Below 1 the denoised picture is the better one in the same time."};
+    Chart chart{
+        "denoise", "Denoising",
+        "Pictures before and after denoising, and noisy pictures that were given the time of the denoised one, against the same plan's "
+        "at 4,096 samples with another seed.",
+        "Below 1 the denoised picture is the better one in the same time."};
     addErrors(options, chart);
     addHighlight(options, chart);
     addFlicker(options, chart);

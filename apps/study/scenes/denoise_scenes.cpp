@@ -38,7 +38,8 @@ std::vector<DenoiseScene> denoiseScenes() {
     const char *character = std::getenv("TAUT_CHARACTER");
     const std::string scene = std::string(TAUT_BLENDER_SCENES) + "/character.toml";
     if (character != nullptr && fs::exists(scene))
-        scenes.push_back({"character", 12, 120, [scene, file = fs::absolute(character).string()] { return load(scene, {"mesh.0.file=" + file}); }});
+        scenes.push_back(
+            {"character", 12, 120, [scene, file = fs::absolute(character).string()] { return load(scene, {"mesh.0.file=" + file}); }});
     return scenes;
 }
 

@@ -14,14 +14,14 @@ struct SurfacePoint;
 
 /// Channels, in their order. Those before kSquared have second moments too.
 enum DenoiseFeature : std::uint8_t {
-    kNormal = 0,       ///< of the facet, world space, on the viewer's side
-    kAlbedo = 3,       ///< base colour, held at kMostAlbedo
-    kDepth = 6,        ///< natural logarithm of the distance along the view
-    kHalfway = 7,      ///< minus the slope of the half vector to a distant light, but for a constant: n - wo / 2, world space
-    kLogStretch = 10,  ///< logarithms of the singular values of A, max and min
-    kSquared = 12,     ///< how many of them are
-    kGloss = 12,       ///< t1 t1^T / alphaMax^2 + t2 t2^T / alphaMin^2 in world space, xx xy xz yy yz zz: slopes to units of the lobe
-    kMotion = 18,      ///< from where the point is to where it was in the frame before, pixels; where that is known
+    kNormal = 0,      ///< of the facet, world space, on the viewer's side
+    kAlbedo = 3,      ///< base colour, held at kMostAlbedo
+    kDepth = 6,       ///< natural logarithm of the distance along the view
+    kHalfway = 7,     ///< minus the slope of the half vector to a distant light, but for a constant: n - wo / 2, world space
+    kLogStretch = 10, ///< logarithms of the singular values of A, max and min
+    kSquared = 12,    ///< how many of them are
+    kGloss = 12,      ///< t1 t1^T / alphaMax^2 + t2 t2^T / alphaMin^2 in world space, xx xy xz yy yz zz: slopes to units of the lobe
+    kMotion = 18,     ///< from where the point is to where it was in the frame before, pixels; where that is known
     kDenoiseFeatures = 20
 };
 

@@ -47,7 +47,7 @@ void readColours(const Film &film, int x, int y, std::size_t i, DenoisePixels &p
     const DenoiseSums::Pixel &sums = film.denoiseSums()->at(x, y);
     const auto n = static_cast<double>(film.samplesAt(x, y));
     if (n == 0) return;
-    const auto second = static_cast<double>(sums.second);
+    const double second = std::min(n, static_cast<double>(sums.second));
     const double first = n - second;
     p.share[0][i] = static_cast<float>(first / n);
     p.share[1][i] = static_cast<float>(second / n);
@@ -71,7 +71,9 @@ void readFeatures(const DenoiseSums::Pixel &sums, std::size_t i, DenoisePixels &
     if (sums.told == 0 || sums.hits == 0) return;
     const double ofTold = DenoiseSums::kUnit / sums.told;
     const double ofHits = DenoiseSums::kUnit / sums.hits;
-    const auto mean = [&](int feature, double unit) { return static_cast<double>(sums.features[static_cast<std::size_t>(feature)]) * unit; };
+    const auto mean = [&](int feature, double unit) {
+        return static_cast<double>(sums.features[static_cast<std::size_t>(feature)]) * unit;
+    };
     for (int c = 0; c < 3; ++c) {
         const auto k = static_cast<std::size_t>(c);
         p.normal[k][i] = static_cast<float>(mean(kNormal + c, ofTold));

@@ -13,13 +13,13 @@ using ColourPlanes = std::array<Plane, 3>;
 
 struct DenoisePixels {
     int width = 0, height = 0;
-    bool halves = true;     ///< every pixel has samples in both halves
-    ColourPlanes mean;      ///< of all samples
-    ColourPlanes half[2];   ///< of the first and of the second half of them; 0 where there is none
-    Plane share[2];         ///< of the samples that are in that half
-    ColourPlanes variance;  ///< of `mean`; that of a half is this over its share
-    Plane alpha;            ///< coverage
-    Plane trust;            ///< 1; 0 for a pixel that one bright sample made: it is not believed
+    bool halves = true;    ///< every pixel has samples in both halves
+    ColourPlanes mean;     ///< of all samples
+    ColourPlanes half[2];  ///< of the first and of the second half of them; 0 where there is none
+    Plane share[2];        ///< of the samples that are in that half
+    ColourPlanes variance; ///< of `mean`; that of a half is this over its share
+    Plane alpha;           ///< coverage
+    Plane trust;           ///< 1; 0 for a pixel that one bright sample made: it is not believed
     // Means over the samples that told features; what hit nothing counts as 0.
     std::array<Plane, 3> normal, albedo;
     Plane featureNoise[2]; ///< variance of the means of normal and of albedo, the mean of three channels

@@ -23,6 +23,11 @@ std::int64_t fixed(double value) {
     return std::llrint(std::clamp(value, -kMostFeature, kMostFeature) / DenoiseSums::kUnit);
 }
 
+/// Sums of a damaged file may be anything: they wrap.
+void addTo(std::int64_t &sum, std::int64_t value) {
+    sum = static_cast<std::int64_t>(static_cast<std::uint64_t>(sum) + static_cast<std::uint64_t>(value));
+}
+
 /// Seven bits a byte, the least first.
 void put(std::string &out, std::uint64_t value) {
     for (; value >= 0x80U; value >>= 7U) out.push_back(static_cast<char>(value | 0x80U));
@@ -76,8 +81,8 @@ void DenoiseSums::add(int x, int y, std::uint32_t sample, const Vec3 &radiance, 
     pixel.moving += motionKnown ? 1 : 0;
     const std::size_t known = motionKnown ? kDenoiseFeatures : kMotion;
     for (std::size_t i = 0; i < known; ++i) {
-        pixel.features[i] += fixed(static_cast<double>(features[i]));
-        if (i < kSquared) pixel.featureSquares[i] += fixed(static_cast<double>(features[i]) * static_cast<double>(features[i]));
+        addTo(pixel.features[i], fixed(static_cast<double>(features[i])));
+        if (i < kSquared) addTo(pixel.featureSquares[i], fixed(static_cast<double>(features[i]) * static_cast<double>(features[i])));
     }
 }
 
@@ -97,8 +102,8 @@ void DenoiseSums::merge(const DenoiseSums &other) {
                 to.half[c].add(from.half[c]);
                 to.squares[c].add(from.squares[c]);
             }
-            for (std::size_t i = 0; i < kDenoiseFeatures; ++i) to.features[i] += from.features[i];
-            for (std::size_t i = 0; i < kSquared; ++i) to.featureSquares[i] += from.featureSquares[i];
+            for (std::size_t i = 0; i < kDenoiseFeatures; ++i) addTo(to.features[i], from.features[i]);
+            for (std::size_t i = 0; i < kSquared; ++i) addTo(to.featureSquares[i], from.featureSquares[i]);
         }
 }
 

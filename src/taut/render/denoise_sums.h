@@ -33,12 +33,12 @@ class DenoiseSums {
 
     /// A pixel's sums; the first half is what the film has beyond the second.
     struct Pixel {
-        std::uint32_t second = 0;   ///< samples in the second half
-        std::uint32_t told = 0;     ///< samples that were asked for features, whether they hit a surface or not
-        std::uint32_t hits = 0;     ///< of them that did
-        std::uint32_t moving = 0;   ///< of them whose motion is known
-        std::array<ExactSum, 3> half{};    ///< R G B over the second half
-        std::array<ExactSum, 3> squares{}; ///< of R G B over all samples
+        std::uint32_t second = 0;                              ///< samples in the second half
+        std::uint32_t told = 0;                                ///< samples that were asked for features, whether they hit a surface or not
+        std::uint32_t hits = 0;                                ///< of them that did
+        std::uint32_t moving = 0;                              ///< of them whose motion is known
+        std::array<ExactSum, 3> half{};                        ///< R G B over the second half
+        std::array<ExactSum, 3> squares{};                     ///< of R G B over all samples
         std::array<std::int64_t, kDenoiseFeatures> features{}; ///< multiples of kUnit
         std::array<std::int64_t, kSquared> featureSquares{};
         bool operator==(const Pixel &) const = default;
