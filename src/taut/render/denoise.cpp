@@ -15,6 +15,7 @@ namespace {
 constexpr float kLeastShared = 0.05F;
 /// Standard errors of a pixel that a filter may differ from it by.
 constexpr float kMostErrors = 2.5F;
+constexpr float kFewSamples = 4;
 /// Radius over which errors are averaged: one pixel says little of its own.
 constexpr int kErrorRadius = 4;
 /// And that over which a choice passes into the next.
@@ -133,15 +134,16 @@ Candidate unfiltered(const DenoisePixels &p, const Plane &brightness, const Plan
     return candidate;
 }
 
-/// What the samples of a pixel refute is not taken: a prediction stays within some of their standard errors. Those are no less than
-/// half of what they are around, for few samples may all have missed the same light.
+/// What the samples of a pixel refute is not taken: a prediction stays within some of their standard errors. Those of few
+/// samples, which may all have missed the same light, are no less than what they are around.
 void holdToSamples(const DenoisePixels &p, Regressed &r) {
     for (std::size_t c = 0; c < 3; ++c) {
         Plane around = p.variance[c];
         boxMean(around, p.width, p.height, 1);
         for (std::size_t i = 0; i < around.size(); ++i) {
             if (p.trust[i] == 0) continue;
-            const float reach = kMostErrors * std::sqrt(std::max(p.variance[c][i], 0.25F * around[i]));
+            const float missed = std::min(1.0F, kFewSamples / std::max(1.0F, p.samples[i]));
+            const float reach = kMostErrors * std::sqrt(std::max(p.variance[c][i], missed * around[i]));
             for (ColourPlanes &half : r.half) half[c][i] = std::clamp(half[c][i], p.mean[c][i] - reach, p.mean[c][i] + reach);
         }
     }

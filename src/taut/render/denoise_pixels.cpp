@@ -37,6 +37,7 @@ void allocate(DenoisePixels &p) {
     each(p.gloss);
     each(p.motion);
     p.alpha.assign(pixels, 0);
+    p.samples.assign(pixels, 0);
     p.trust.assign(pixels, 1);
     p.depth.assign(pixels, 0);
     p.moving.assign(pixels, 0);
@@ -47,6 +48,7 @@ void readColours(const Film &film, int x, int y, std::size_t i, DenoisePixels &p
     const DenoiseSums::Pixel &sums = film.denoiseSums()->at(x, y);
     const auto n = static_cast<double>(film.samplesAt(x, y));
     if (n == 0) return;
+    p.samples[i] = static_cast<float>(n);
     const double second = std::min(n, static_cast<double>(sums.second));
     const double first = n - second;
     p.share[0][i] = static_cast<float>(first / n);

@@ -16,6 +16,7 @@ struct DenoisePixels {
     bool halves = true;    ///< every pixel has samples in both halves
     ColourPlanes mean;     ///< of all samples
     ColourPlanes half[2];  ///< of the first and of the second half of them; 0 where there is none
+    Plane samples;  ///< how many
     Plane share[2];        ///< of the samples that are in that half
     ColourPlanes variance; ///< of `mean`; that of a half is this over its share
     Plane alpha;           ///< coverage
