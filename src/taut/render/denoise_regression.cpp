@@ -120,6 +120,25 @@ template <class Loops> void fitWindow(const DenoisePixels &pixels, const Planes 
     }
 }
 
+/// Where there is noise: windows without any have nothing to predict, and their pixels are what they are.
+class NoiseMap {
+  public:
+    explicit NoiseMap(const DenoisePixels &pixels) : width_(static_cast<std::size_t>(pixels.width) + 1) {
+        counts_.assign(width_ * (static_cast<std::size_t>(pixels.height) + 1), 0);
+        for (std::size_t y = 0, i = 0; y < static_cast<std::size_t>(pixels.height); ++y)
+            for (std::size_t x = 0, row = 0; x + 1 < width_; ++x, ++i) {
+                row += pixels.variance[0][i] + pixels.variance[1][i] + pixels.variance[2][i] > 0 ? 1 : 0;
+                counts_[(y + 1) * width_ + x + 1] = counts_[y * width_ + x + 1] + row;
+            }
+    }
+    [[nodiscard]] bool isQuiet(const Centre &c) const { return at(c.x1, c.y1) + at(c.x0, c.y0) == at(c.x0, c.y1) + at(c.x1, c.y0); }
+
+  private:
+    std::size_t width_;
+    std::vector<std::size_t> counts_; // [pixels above and to the left]
+    [[nodiscard]] std::size_t at(int x, int y) const { return counts_[static_cast<std::size_t>(y) * width_ + static_cast<std::size_t>(x)]; }
+};
+
 /// Windows on a grid.
 struct Grid {
     Grid(const Planes &p, int stride_)
@@ -132,7 +151,8 @@ struct Grid {
 
 /// Adds what the windows predict for a band of rows, in the order of the windows.
 template <class Loops>
-void addBand(const Planes &p, const Grid &grid, const std::vector<float> &fits, int first, int last, Regressed &out, Plane &likeness) {
+void addBand(const Planes &p, const Grid &grid, const NoiseMap &noise, const std::vector<float> &fits, int first, int last, Regressed &out,
+             Plane &likeness) {
     const int regressors = p.count();
     const auto fitSize = static_cast<std::size_t>(regressors * kTargets);
     float columns[kMostRegressors * kMostWidth];
@@ -142,7 +162,7 @@ void addBand(const Planes &p, const Grid &grid, const std::vector<float> &fits, 
     for (int row = 0; row < grid.rows; ++row)
         for (int column = 0; column < grid.columns; ++column) {
             const Centre c = grid.centre(p, column, row);
-            if (c.y1 <= first || c.y0 >= last) continue;
+            if (c.y1 <= first || c.y0 >= last || noise.isQuiet(c)) continue;
             const float *fit =
                 &fits[(static_cast<std::size_t>(row) * static_cast<std::size_t>(grid.columns) + static_cast<std::size_t>(column)) *
                       fitSize];
@@ -168,7 +188,8 @@ void addBand(const Planes &p, const Grid &grid, const std::vector<float> &fits, 
             const float sum = likeness[i];
             for (ColourPlanes &half : out.half)
                 for (Plane &plane : half) plane[i] = sum > 0 ? plane[i] / sum : 0;
-            likeness[i] = sum / nearby[static_cast<std::size_t>((y - first) * p.width + x)];
+            const float close = nearby[static_cast<std::size_t>((y - first) * p.width + x)];
+            likeness[i] = close > 0 ? sum / close : 0;
             out.known[i] = likeness[i] >= kLeastLikeness ? 1.0F : 0.0F;
         }
 }
@@ -218,18 +239,22 @@ Planes planesOf(const DenoisePixels &pixels, const RegressionScale &scale, const
 
 template <class Loops> void run(const DenoisePixels &pixels, const RegressionScale &scale, const Planes &p, Regressed &out) {
     const Grid grid(p, std::max(1, scale.stride));
+    const NoiseMap noise(pixels);
     const auto fitSize = static_cast<std::size_t>(p.count() * kTargets);
     std::vector<float> fits(static_cast<std::size_t>(grid.columns) * static_cast<std::size_t>(grid.rows) * fitSize);
     parallelFor(static_cast<std::size_t>(grid.rows), 1, [&](std::size_t row) {
         const auto window = std::make_unique<Columns>();
-        for (int column = 0; column < grid.columns; ++column)
-            fitWindow<Loops>(pixels, p, grid.centre(p, column, static_cast<int>(row)), *window,
+        for (int column = 0; column < grid.columns; ++column) {
+            const Centre c = grid.centre(p, column, static_cast<int>(row));
+            if (noise.isQuiet(c)) continue;
+            fitWindow<Loops>(pixels, p, c, *window,
                              &fits[(row * static_cast<std::size_t>(grid.columns) + static_cast<std::size_t>(column)) * fitSize]);
+        }
     });
     Plane likeness(out.known.size(), 0.0F);
     parallelFor(static_cast<std::size_t>((p.height + kBand - 1) / kBand), 1, [&](std::size_t band) {
         const int first = static_cast<int>(band) * kBand;
-        addBand<Loops>(p, grid, fits, first, std::min(first + kBand, p.height), out, likeness);
+        addBand<Loops>(p, grid, noise, fits, first, std::min(first + kBand, p.height), out, likeness);
     });
     if (!scale.lonely) return;
     parallelFor(static_cast<std::size_t>(p.height), 1, [&](std::size_t row) {
@@ -238,10 +263,15 @@ template <class Loops> void run(const DenoisePixels &pixels, const RegressionSca
         for (int x = 0; x < p.width; ++x) {
             const std::size_t i = p.at(x, static_cast<int>(row));
             if (out.known[i] != 0) continue;
-            if (!window) window = std::make_unique<Columns>();
-            fitWindow<Loops>(pixels, p, centreAt(p, x, static_cast<int>(row)), *window, fit);
-            for (std::size_t t = 0; t < kTargets; ++t) out.half[t / 3][t % 3][i] = std::max(0.0F, fit[t]);
             out.known[i] = 1;
+            const Centre c = centreAt(p, x, static_cast<int>(row));
+            if (noise.isQuiet(c)) {
+                for (std::size_t t = 0; t < kTargets; ++t) out.half[t / 3][t % 3][i] = pixels.mean[t % 3][i];
+                continue;
+            }
+            if (!window) window = std::make_unique<Columns>();
+            fitWindow<Loops>(pixels, p, c, *window, fit);
+            for (std::size_t t = 0; t < kTargets; ++t) out.half[t / 3][t % 3][i] = std::max(0.0F, fit[t]);
         }
     });
 }
