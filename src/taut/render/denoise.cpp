@@ -27,7 +27,7 @@ constexpr int kBlockOfUnknown = 8;
 constexpr RegressionScale kFirst{.radius = 4, .stride = 4, .gloss = 3};
 constexpr RegressionScale kOthers[] = {{.radius = 3, .stride = 3, .gloss = 0},                    // mirrors, small things
                                        {.radius = 6, .stride = 4, .gloss = 1},                    // long along a highlight, short across
-                                       {.radius = 7, .stride = 4, .curved = true, .gloss = 0.5F}, // its ridge
+                                       {.radius = 7, .stride = 4, .curved = true, .gloss = 0.2F}, // its ridge
                                        {.radius = 8, .stride = 7, .curved = true, .lonely = false, .gloss = 3, .guide = 1.5F},
                                        {.radius = 15, .stride = 13, .curved = true, .lonely = false, .gloss = 3, .guide = 1.5F}};
 
