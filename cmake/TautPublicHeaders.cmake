@@ -10,7 +10,7 @@ set(TAUT_PUBLIC_ROOTS
     scene/check_scene.h scene/load_scene.h scene/object_surface.h scene/scene.h
     export/gloss_export.h export/write_gloss.h
     plan/plan.h
-    render/frame_render.h render/image_file.h render/memory_use.h render/render_scene.h)
+    render/denoise.h render/frame_render.h render/image_file.h render/memory_use.h render/render_scene.h)
 
 # Sets `out` to the paths below `source`, sorted.
 function(taut_public_headers source out)

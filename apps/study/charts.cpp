@@ -19,6 +19,7 @@ std::span<const ChartEntry> allCharts() {
         {"microsurface", "one hit and loops over many, beside a plain GGX", measureMicrosurface},
         {"lights", "one to 100,000 emitters: time and noise", measureLights},
         {"export", "the writers of taut export beside plain writing", measureExport},
+        {"denoise", "pictures before and after the denoiser: error, highlights, flicker, cost", measureDenoise},
     };
     return kCharts;
 }

@@ -24,6 +24,7 @@ Chart measureTalk(const ChartOptions &options);
 Chart measureMicrosurface(const ChartOptions &options);
 Chart measureLights(const ChartOptions &options);
 Chart measureExport(const ChartOptions &options);
+Chart measureDenoise(const ChartOptions &options);
 
 /// The benchmark's ratios, from what measureBench() gave for every scene. Panels of what was not measured (Cycles, equal error) are left
 /// out.

@@ -1,5 +1,7 @@
 #include "image_output.h"
 
+#include "denoised_image.h"
+
 #include "taut/base/error.h"
 #include "taut/base/file_bytes.h"
 #include "taut/base/frame_set.h"
@@ -42,8 +44,9 @@ void checkWritable(const std::string &path) {
     const OutputFile trial(path);
 }
 
-void writeImages(const SavedHead &head, const Film &film, const std::vector<std::string> &paths) {
-    const Image image{film.window(), head.width, head.height, film.channelNames(), film.resolve()};
+void writeImages(const SavedHead &head, const Film &film, const std::vector<std::string> &paths, FrameDenoiser *denoiser) {
+    Image image{film.window(), head.width, head.height, film.channelNames(), film.resolve()};
+    if (denoiser != nullptr) addDenoised(film, *denoiser, image);
     Metadata metadata = head.metadata;
     metadata.emplace_back("taut:spp", std::to_string(film.samples()));
     metadata.emplace_back("taut:meanSpp", fmt::format("{:.3f}", film.meanSamples()));

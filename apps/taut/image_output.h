@@ -1,6 +1,7 @@
 #pragma once
 /// The image files of a frame, as `taut render` and `taut merge` write them.
 
+#include "taut/render/denoise_frames.h"
 #include "taut/render/saved_frame.h"
 
 #include <string>
@@ -20,7 +21,8 @@ bool areThere(const std::vector<std::string> &paths);
 /// Throws RunError where a file beside `path` can't be written: before the work, not after it.
 void checkWritable(const std::string &path);
 
-/// Writes each of these files as the head's settings say, with its metadata and what follows from the film.
-void writeImages(const SavedHead &head, const Film &film, const std::vector<std::string> &paths);
+/// Writes each of these files as the head's settings say, with its metadata and what follows from the film. `denoiser`: of films that keep
+/// sums for denoising (denoised_image.h); null: the film is written as it is.
+void writeImages(const SavedHead &head, const Film &film, const std::vector<std::string> &paths, FrameDenoiser *denoiser = nullptr);
 
 } // namespace taut::app

@@ -1,6 +1,7 @@
 /// taut merge: shards of frames -> the images of these frames, as one process would have rendered them.
 
 #include "commands.h"
+#include "denoised_image.h"
 #include "image_arguments.h"
 #include "image_output.h"
 
@@ -67,11 +68,13 @@ int merge(const MergeArguments &arguments) {
         checkShards(paths);
         imageSettingsOf(arguments.image, readSavedHead(paths.front()).image, arguments.outputs); // or says why not
     }
+    std::optional<FrameDenoiser> denoiser;
     for (const auto &[frame, paths] : shards) {
         if (isSkipped(frame)) continue;
         MergedFrame merged = mergeShards(paths);
         merged.head.image = imageSettingsOf(arguments.image, merged.head.image, arguments.outputs);
-        writeImages(merged.head, merged.film, pathsOf(arguments.outputs, frame));
+        if (!denoiser) denoiser = denoiserOf(merged.head);
+        writeImages(merged.head, merged.film, pathsOf(arguments.outputs, frame), denoiser ? &*denoiser : nullptr);
         if (!arguments.quiet)
             fmt::print(stderr, "frame {}: {} shards, {} samples a pixel, {:.2f} s -> {}\n", frame, paths.size(), merged.film.samples(),
                        merged.head.seconds, pathOfFrame(arguments.outputs.front(), frame));

@@ -3,6 +3,7 @@
 #include "commands.h"
 
 #include "taut/base/frame_set.h"
+#include "taut/render/denoise.h"
 #include "taut/scene/ground.h"
 
 #include <fmt/format.h>
@@ -103,7 +104,20 @@ FrameOptions optionsOf(const RenderArguments &arguments, const RenderSettings &r
         if (arguments.spp == 0) options.spp = std::max(options.spp, kMostByNoise);
     }
     if (!arguments.crop.empty()) options.window = parseCrop(arguments.crop, render);
+    if (arguments.denoise || arguments.denoiseFrames)
+        options.denoiseBlock = denoiseBlockOf(options.spp, !options.seconds && !options.noise);
     return options;
+}
+
+void checkDenoiseFrames(const RenderArguments &arguments, const std::optional<Shard> &shard, bool fixedSeed) {
+    if (!arguments.denoiseFrames) return;
+    const auto refuse = [](const char *what) {
+        failInput({"--denoise-frames"}, std::string(what) + " beside it", "all frames in their order, or --denoise, which takes each for itself");
+    };
+    if (arguments.skipExisting) refuse("--skip-existing");
+    if (!arguments.only.empty()) refuse("--only");
+    if (shard && shard->by == ShardBy::Frames) refuse("shards of frames");
+    if (fixedSeed) refuse("a fixed seed");
 }
 
 CheckpointOptions checkpointsOf(const RenderArguments &arguments) {
@@ -191,6 +205,8 @@ void addRenderArguments(CLI::App &command, RenderArguments &arguments) {
     addImageArguments(command, arguments.image);
     command.add_option("--only", arguments.only, "Render only these of the frames; the plan looks at all of them");
     addSampleArguments(command, arguments);
+    command.add_flag("--denoise", arguments.denoise, "Take the noise out of the picture; the unfiltered one stays in the EXR (Noisy.R, G, B)");
+    command.add_flag("--denoise-frames", arguments.denoiseFrames, "As --denoise, with what the frames before show of each point as well");
     command.add_option("--checkpoint", arguments.checkpoint, "Keep what there is in FRAME.checkpoint this often: 90s, 5m, 1h");
     command.add_flag("--resume", arguments.resume, "Go on from the checkpoint of a frame, where there is one");
     command.add_flag("--skip-existing", arguments.skipExisting, "Leave out frames whose images are there");

@@ -42,6 +42,7 @@ struct RenderArguments {
     bool check = false;
     bool quiet = false;
     std::string progress;
+    bool denoise = false, denoiseFrames = false; ///< the second over frames as well
     std::string display; ///< HOST:PORT of a viewer
     std::string stats;
 };
@@ -57,6 +58,9 @@ Scene sceneOf(const RenderArguments &arguments);
 /// Options of every whole frame, but for its seed.
 FrameOptions optionsOf(const RenderArguments &arguments, const RenderSettings &render);
 CheckpointOptions checkpointsOf(const RenderArguments &arguments);
+/// Throws InputError where frames are to be denoised by the ones before them, and not all of them are rendered, or not with numbers of
+/// their own.
+void checkDenoiseFrames(const RenderArguments &arguments, const std::optional<Shard> &shard, bool fixedSeed);
 /// None: the whole work.
 std::optional<Shard> shardOf(const RenderArguments &arguments, const FrameOptions &options, std::size_t frames);
 /// Those of the scene's frames that this process renders.

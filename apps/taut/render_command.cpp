@@ -1,6 +1,7 @@
 /// taut render: scene -> deformed surfaces -> Embree -> paths -> film -> image files, frame by frame.
 
 #include "commands.h"
+#include "denoised_image.h"
 #include "image_output.h"
 #include "interruption.h"
 #include "json_text.h"
@@ -117,6 +118,7 @@ class FrameNames {
         if (scene_.unsaid.scene) head.facts.emplace_back("ground", arguments_.noGround ? "none" : "under it");
         head.facts.emplace_back("model", arguments_.model.model.empty() ? "auto" : arguments_.model.model);
         head.facts.emplace_back("tolerance", arguments_.model.tolerance ? formatNumber(*arguments_.model.tolerance) : "by default");
+        if (arguments_.denoiseFrames) head.facts.emplace_back("denoising over", "frames");
         head.facts.insert(head.facts.end(), files_.begin(), files_.end());
         return head;
     }
@@ -136,6 +138,7 @@ class FrameNames {
                          {"taut:sceneHash", sceneHash_}};
         const Metadata mattes = matteMetadata(scene_, options_.layers);
         head.metadata.insert(head.metadata.end(), mattes.begin(), mattes.end());
+        if (options_.denoiseBlock > 0) markDenoised(head, arguments_.denoiseFrames);
         return head;
     }
 
@@ -177,6 +180,7 @@ int render(RenderArguments &arguments) {
     if (arguments.cryptoRanks > 0) options.layers.ranks = arguments.cryptoRanks;
     const std::optional<Shard> shard = shardOf(arguments, options, render.frames.size());
     const std::vector<int> frames = framesOf(arguments, shard, render.frames);
+    checkDenoiseFrames(arguments, shard, render.fixedSeed);
     const Outputs outputs = outputsOf(arguments, shard, render.frames.size());
     if (outputs.images.empty() && outputs.movies.empty()) return 0; // every movie is there
     loaded.image = imageSettingsOf(arguments.image, loaded.image, outputs.all());
@@ -191,6 +195,9 @@ int render(RenderArguments &arguments) {
     FrameNames names(arguments, outputs, ready.scene(), options, shard);
     Progress progress(style, static_cast<int>(frames.size()));
     nlohmann::json statistics{{"scene", arguments.scene.scene}, {"version", TAUT_VERSION}, {"frames", nlohmann::json::array()}};
+    std::optional<FrameDenoiser> denoiser;
+    if (options.denoiseBlock > 0) denoiser.emplace(arguments.denoiseFrames);
+    std::optional<FrameBefore> before; // of the frames that are denoised by the ones before them
     bool begun = false;
     for (const int frame : frames) {
         progress.startFrame(frame);
@@ -200,9 +207,11 @@ int render(RenderArguments &arguments) {
             continue;
         }
         StageTimes times;
+        if (arguments.denoiseFrames && frame != frames.front()) before.emplace(ready);
         ready.setFrame(frame, times);
         if (arguments.check) continue;
         FrameJob job{optionsOfPart(options, names.part(), render), names.checkpoint(frame), {}, display ? &*display : nullptr};
+        job.options.before = before ? &*before : nullptr;
         job.options.seed = frameSeed(render.seed, frame, render.fixedSeed);
         job.head = [&] { return names.head(frame, job.options.seed); };
         if (!begun && (checkpoints.interval || checkpoints.resume)) removeAbandonedFiles(fs::path(results.front()).parent_path().string());
@@ -214,7 +223,7 @@ int render(RenderArguments &arguments) {
             if (names.isShard())
                 finished.save(results.front());
             else
-                writeImages(names.label(frame), finished.film(), results);
+                writeImages(names.label(frame), finished.film(), results, denoiser ? &*denoiser : nullptr);
             statistics["frames"].push_back(toJson(frame, finished, times));
             progress.finishFrame(frame, results.front(), statistics["frames"].back()["seconds"]);
             if (const std::uint64_t count = finished.counts().notFinite; count > 0)

@@ -14,6 +14,8 @@ namespace taut {
 namespace {
 
 constexpr std::string_view kMagic = "taut film 2\n";
+/// Among the names of its AOVs: sums for denoising follow.
+constexpr std::string_view kDenoise = "+denoise";
 /// Pixels that are read or written at once.
 constexpr std::size_t kBlock = 4096;
 /// Before the words of layers, among the names of AOVs.
@@ -42,7 +44,9 @@ std::uint64_t bytesLeft(std::istream &in) {
 
 } // namespace
 
-Film::Film(const Window &window, const std::vector<Aov> &aovs, const FilmLayers &layers) : window_(window), aovs_(aovs), layers_(layers) {
+Film::Film(const Window &window, const std::vector<Aov> &aovs, const FilmLayers &layers, int denoiseBlock)
+    : window_(window), aovs_(aovs), layers_(layers) {
+    if (denoiseBlock > 0) denoise_.emplace(window, denoiseBlock);
     for (const Aov aov : aovs_) stride_ += infoOf(aov).channels.size();
     const std::size_t pixels = window.empty() ? 0 : static_cast<std::size_t>(window.width()) * static_cast<std::size_t>(window.height());
     layers_.resize(pixels);
@@ -76,8 +80,10 @@ void Film::add(int x, int y, const Vec3 &radiance, float alpha, const float *aov
 void Film::merge(const Film &other) {
     if (other.aovs_ != aovs_ || other.layers() != layers())
         throw InputError("film: found a film with other AOVs, expected the same ones to merge");
+    if (other.denoise_.has_value() != denoise_.has_value())
+        throw InputError("film: found sums for denoising in one film and none in the other, expected them in both or in none");
     if (!window_.contains(other.window_)) {
-        Film both(unionOf(window_, other.window_), aovs_, layers());
+        Film both(unionOf(window_, other.window_), aovs_, layers(), denoiseBlock());
         both.merge(*this);
         *this = std::move(both);
     }
@@ -90,9 +96,11 @@ void Film::merge(const Film &other) {
             for (std::size_t c = 0; c < stride_; ++c) sums_[to * stride_ + c].add(other.sums_[from * stride_ + c]);
             layers_.merge(to, other.layers_, from);
         }
+    if (denoise_) denoise_->merge(*other.denoise_);
 }
 
 void Film::copy(const Film &from, const Window &part) {
+    if (denoise_ && from.denoise_) denoise_->copy(*from.denoise_, part);
     const auto width = static_cast<std::size_t>(part.width());
     for (int y = part.y0; y < part.y1; ++y) {
         const std::size_t source = from.pixelAt(part.x0, y);
@@ -136,6 +144,7 @@ void Film::save(std::ostream &out) const {
     out << kMagic;
     for (const Aov aov : aovs_) out << infoOf(aov).name << ' ';
     for (const std::string &word : layers().words()) out << kLayerMark << word << ' ';
+    if (denoise_) out << kDenoise << ' ';
     out << '\n';
     const std::array<std::int32_t, 4> window{window_.x0, window_.y0, window_.x1, window_.y1};
     writeRaw(out, window.data(), window.size());
@@ -149,6 +158,7 @@ void Film::save(std::ostream &out) const {
         layers_.pack(first, block, bytes);
         writeRaw(out, bytes.data(), bytes.size());
     }
+    if (denoise_) denoise_->save(out);
 }
 
 Film Film::load(std::istream &in) {
@@ -157,6 +167,7 @@ Film Film::load(std::istream &in) {
         throw InputError("film: found other bytes at its begin, expected 'taut film 2'");
     std::vector<Aov> aovs;
     FilmLayers layers;
+    bool denoises = false;
     std::string name;
     for (int c = in.get(); c != '\n'; c = in.get()) {
         if (c == std::istream::traits_type::eof() || name.size() > 64) throw InputError("film: found no end of the names of its AOVs");
@@ -165,7 +176,9 @@ Film Film::load(std::istream &in) {
             continue;
         }
         const std::string_view view = name;
-        if (view.starts_with(kLayerMark))
+        if (view == kDenoise)
+            denoises = true;
+        else if (view.starts_with(kLayerMark))
             layers.addWord(view.substr(1));
         else
             aovs.push_back(aovsNamed({&view, 1}, "film").front());
@@ -196,6 +209,7 @@ Film Film::load(std::istream &in) {
         for (std::size_t i = first * film.stride_; i < last * film.stride_; ++i) film.sums_.push_back(unpacker.sum());
         film.layers_.unpack(std::span(film.counts_).subspan(first, last - first), unpacker);
     }
+    if (denoises) film.denoise_ = DenoiseSums::load(in, window);
     return film;
 }
 

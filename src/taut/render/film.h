@@ -5,10 +5,12 @@
 #include "taut/base/exact_sum.h"
 #include "taut/base/vec.h"
 #include "taut/render/aov.h"
+#include "taut/render/denoise_sums.h"
 #include "taut/render/film_layers.h"
 #include "taut/render/window.h"
 
 #include <iosfwd>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,7 +20,8 @@ namespace taut {
 /// Pixels may have different numbers of samples. Not for writing by several threads into one pixel.
 class Film {
   public:
-    Film(const Window &window, const std::vector<Aov> &aovs, const FilmLayers &layers = {});
+    /// `denoiseBlock`: keeps what denoise() needs as well, halves dealt in blocks of so many samples (denoise_sums.h); 0: does not.
+    Film(const Window &window, const std::vector<Aov> &aovs, const FilmLayers &layers = {}, int denoiseBlock = 0);
 
     [[nodiscard]] const Window &window() const { return window_; }
     [[nodiscard]] const std::vector<Aov> &aovs() const { return aovs_; }
@@ -31,8 +34,13 @@ class Film {
     void add(int x, int y, const Vec3 &radiance, float alpha, const float *aovs);
     /// Of the same sample, where layers are asked for.
     void addLayers(int x, int y, const Vec3 &radiance, const LayerSample &sample) { layers_.add(pixelAt(x, y), radiance, sample); }
+    /// What is kept for denoising, to be added to beside add(); null where nothing is.
+    [[nodiscard]] DenoiseSums *denoiseSums() { return denoise_ ? &*denoise_ : nullptr; }
+    [[nodiscard]] const DenoiseSums *denoiseSums() const { return denoise_ ? &*denoise_ : nullptr; }
+    [[nodiscard]] int denoiseBlock() const { return denoise_ ? denoise_->block() : 0; }
     /// Adds the samples of another film; the window grows to hold both. Whose samples those are is the caller's to know: a sample that
-    /// is in both counts twice. Throws InputError where the AOVs or layers are others.
+    /// is in both counts twice. Throws InputError where the AOVs or layers are others, or one keeps what denoising needs and the other
+    /// does not.
     void merge(const Film &other);
     /// Takes over the pixels of a part, which both films have.
     void copy(const Film &from, const Window &part);
@@ -44,6 +52,8 @@ class Film {
     [[nodiscard]] double meanSamples() const;
     /// Sum over the samples of a pixel of 0.2126 R + 0.7152 G + 0.0722 B.
     [[nodiscard]] double luminanceSum(int x, int y) const;
+    /// Sum of a colour over the samples of a pixel.
+    [[nodiscard]] const ExactSum &sumAt(int x, int y, std::size_t channel) const { return sums_[pixelAt(x, y) * stride_ + channel]; }
     /// Means, interleaved, in channelNames() order; 0 where there is no sample.
     [[nodiscard]] std::vector<float> resolve() const;
 
@@ -62,6 +72,7 @@ class Film {
     std::vector<std::uint32_t> hits_;   // [pixels] of them that hit a surface
     std::vector<ExactSum> sums_;        // [pixels x stride]
     LayerSums layers_;
+    std::optional<DenoiseSums> denoise_;
 
     [[nodiscard]] std::size_t pixelAt(int x, int y) const {
         return static_cast<std::size_t>(y - window_.y0) * static_cast<std::size_t>(window_.width()) +

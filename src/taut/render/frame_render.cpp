@@ -77,12 +77,14 @@ void checkOptions(const FrameOptions &options, const RenderSettings &render) {
 
 struct FrameRender::State {
     State(const RenderScene &scene_, const FrameOptions &options_)
-        : options(options_), film(affordable(scene_.scene(), windowOf(options_, scene_.scene().render)), options_.aovs, layersOf(options_.layers, scene_.scene())),
+        : options(options_),
+          film(affordable(scene_.scene(), windowOf(options_, scene_.scene().render)), options_.aovs, layersOf(options_.layers, scene_.scene()),
+               options_.denoiseBlock),
           layers(layerTables(scene_, film.layers())), materials(prepareMaterials(scene_.scene(), scene_.plan())), workers([&scene_, this] {
               const RenderSettings &render = scene_.scene().render;
               return Worker{PathTracer(scene_, materials,
                                        {render.width, render.height, render.maxEvents, render.boxFilter, options.seed, options.record,
-                                        film.layers().hasSums() ? &layers : nullptr, options.independent, options.oneByOne}),
+                                        film.layers().hasSums() ? &layers : nullptr, options.independent, options.oneByOne, options.before}),
                             {},
                             {},
                             {}};
@@ -243,7 +245,7 @@ double FrameRender::share() const {
 
 Film FrameRender::film() const {
     const State &s = *state_;
-    Film film(s.film.window(), s.film.aovs(), s.film.layers());
+    Film film(s.film.window(), s.film.aovs(), s.film.layers(), s.film.denoiseBlock());
     for (std::size_t i = 0; i < s.tiles.size(); ++i) {
         const std::lock_guard lock(s.tileLocks[i]);
         film.copy(s.film, s.tiles[i]);
@@ -341,7 +343,10 @@ void FrameRender::restore(std::istream &in) {
     s.checkHead(in);
     Film film = Film::load(in);
     if (film.window() != s.film.window()) throw InputError("saved frame: found other pixels, expected those of this frame's window");
-    if (film.aovs() != s.film.aovs() || film.layers() != s.film.layers()) throw InputError("saved frame: found other AOVs, expected those asked for");
+    if (film.aovs() != s.film.aovs() || film.layers() != s.film.layers())
+        throw InputError("saved frame: found other AOVs, expected those asked for");
+    if (film.denoiseBlock() != s.film.denoiseBlock())
+        throw InputError("saved frame: found other sums for denoising, expected those asked for");
     std::optional<AdaptiveBlocks> blocks = s.blocks;
     if (blocks) blocks->load(in);
     std::uint64_t pixelSamples = 0;

@@ -27,8 +27,10 @@ struct FrameOptions {
     std::optional<double> noise{};   ///< adaptive sampling to this relative noise (adaptive.h); firstSample is 0 then
     Window window{};                 ///< pixels to render; empty: the whole frame
     std::vector<Aov> aovs{};
-    FilmLayers layers{};    ///< their light groups are those of the scene, whatever is given
-    std::uint32_t seed = 0; ///< of this frame, already decorrelated (frameSeed)
+    FilmLayers layers{};                 ///< their light groups are those of the scene, whatever is given
+    int denoiseBlock = 0;                ///< of the film (film.h): what denoise() needs is kept as well; 0: it is not
+    const FrameBefore *before = nullptr; ///< with that: whose motion is kept too
+    std::uint32_t seed = 0;              ///< of this frame, already decorrelated (frameSeed)
     RayRecord *record = nullptr;
     bool independent = false; ///< as in TraceSettings
     bool oneByOne = false;    ///< as in TraceSettings

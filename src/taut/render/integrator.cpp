@@ -1,5 +1,6 @@
 #include "taut/render/integrator.h"
 
+#include "taut/render/denoise_sums.h"
 #include "taut/render/path_state.h"
 
 #include <algorithm>
@@ -106,11 +107,13 @@ bool PathTracer::traceTile(const Window &tile, int firstSample, int lastSample, 
     const int step = samplesABatch(tile);
     Film &film = access.film;
     const int aovChannels = film.aovChannels();
+    s.denoises = film.denoiseSums() != nullptr;
     for (int first = firstSample; first < lastSample; first += step) {
         auto clock = std::chrono::steady_clock::now();
         s.startPaths(tile, first, std::min(first + step, lastSample));
         s.aovs.assign(s.paths.size() * static_cast<std::size_t>(aovChannels), 0.0F);
         s.startLayers();
+        if (s.denoises) s.features.resize(s.paths.size() * kDenoiseFeatures);
         counts.paths += s.paths.size();
         for (int event = 0; !s.active.empty(); ++event) {
             if (access.stop.load(std::memory_order_relaxed)) return false;
@@ -141,6 +144,9 @@ bool PathTracer::traceTile(const Window &tile, int firstSample, int lastSample, 
             film.add(path.x, path.y, path.radiance, path.alpha,
                      path.hasAovs ? s.aovs.data() + i * static_cast<std::size_t>(aovChannels) : nullptr);
             if (s.settings.layers != nullptr) film.addLayers(path.x, path.y, path.radiance, s.layerSample(i));
+            if (DenoiseSums *sums = film.denoiseSums(); sums != nullptr)
+                sums->add(path.x, path.y, path.sample, path.radiance, path.hasFeatures != 0 ? &s.features[i * kDenoiseFeatures] : nullptr,
+                          path.hasFeatures == 2);
         }
         times.film += secondsSince(clock);
     }

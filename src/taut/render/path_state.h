@@ -30,6 +30,7 @@ struct Path {
     std::uint32_t sample = 0;
     std::uint32_t seed = 0; ///< of the pixel
     bool hasAovs = false;
+    std::uint8_t hasFeatures = 0; ///< for denoising: 0 none, 1 but for the motion, 2 all
 };
 
 struct ShadowTest {
@@ -60,6 +61,8 @@ struct PathTracer::State {
     std::unique_ptr<CameraLanes> cameraLanes = std::make_unique<CameraLanes>();
     std::vector<Path> paths;
     std::vector<float> aovs; ///< [paths x channels]
+    bool denoises = false;       ///< what follows is asked for
+    std::vector<float> features; ///< [paths x kDenoiseFeatures]
     std::vector<Index> active, stillActive;
     std::vector<Ray> rays, nextRays, shadowRays;
     std::vector<Hit> hits;
@@ -120,6 +123,10 @@ struct PathTracer::State {
     void seeEnvironment(Path &path, const Vec3 &radiance, float lightPdf);
     /// Adds the quad and sphere lights on a ray's way; true where a camera ray ends on one.
     bool meetLights(Path &path, const Ray &ray, float farthest);
+    /// Keeps the features of a first hit, where its sample tells them.
+    void tellFeatures(Index index, const Ray &ray, const SurfacePoint &point);
+    /// Those of a hit that is to be shaded among others.
+    void tellFeatures(std::size_t i);
     void shade(int event, Index index, const Ray &ray, const Hit &hit, const std::vector<Aov> &wanted, int aovChannels);
     [[nodiscard]] bool waits(int event, std::size_t i, int aovChannels);
     void prefetch(std::size_t i) const;

@@ -218,18 +218,20 @@ FrameFacts settingFacts(const Scene &scene, const FrameOptions &whole, int frame
     for (const Aov aov : whole.aovs) aovs += (aovs.empty() ? "" : ",") + std::string(infoOf(aov).name);
     for (const std::string &word : whole.layers.words()) aovs += (aovs.empty() ? "" : ",") + word;
     const auto text = [](const auto value) { return std::to_string(value); };
-    return {{"version", TAUT_VERSION},
-            {"version of Embree", std::string(embreeVersion())},
-            {"version of the C library", libraryVersion()},
-            {"frame", text(frame)},
-            {"frames", joined(r.frames)},
-            {"size", text(r.width) + "x" + text(r.height)},
-            {"pixels", text(w.x0) + "," + text(w.y0) + "," + text(w.x1) + "," + text(w.y1)},
-            {"samples a pixel", text(whole.spp)},
-            {"noise level", whole.noise ? formatNumber(*whole.noise) : "none"},
-            {"time a frame", whole.seconds ? formatNumber(*whole.seconds) + " s" : "any"},
-            {"seed", text(whole.seed) + (whole.independent ? ", samples independent" : "")},
-            {"AOVs", aovs.empty() ? "none" : aovs}};
+    FrameFacts facts{{"version", TAUT_VERSION},
+                     {"version of Embree", std::string(embreeVersion())},
+                     {"version of the C library", libraryVersion()},
+                     {"frame", text(frame)},
+                     {"frames", joined(r.frames)},
+                     {"size", text(r.width) + "x" + text(r.height)},
+                     {"pixels", text(w.x0) + "," + text(w.y0) + "," + text(w.x1) + "," + text(w.y1)},
+                     {"samples a pixel", text(whole.spp)},
+                     {"noise level", whole.noise ? formatNumber(*whole.noise) : "none"},
+                     {"time a frame", whole.seconds ? formatNumber(*whole.seconds) + " s" : "any"},
+                     {"seed", text(whole.seed) + (whole.independent ? ", samples independent" : "")},
+                     {"AOVs", aovs.empty() ? "none" : aovs}};
+    if (whole.denoiseBlock > 0) facts.emplace_back("denoising", "halves in blocks of " + text(whole.denoiseBlock));
+    return facts;
 }
 
 std::string differenceOf(const FrameFacts &found, const FrameFacts &expected) {
@@ -349,7 +351,7 @@ MergedFrame mergeShards(const std::vector<std::string> &paths) {
         });
         if (pixels > bytes || !whole.window.contains(film.window()))
             throw InputError(shard.path + ": found other pixels than its head says, expected those of its frame");
-        if (!sum) sum.emplace(whole.window, film.aovs(), film.layers());
+        if (!sum) sum.emplace(whole.window, film.aovs(), film.layers(), film.denoiseBlock());
         namingFile(shard.path, [&] { sum->merge(film); });
         whole.seconds += head.seconds;
         whole.times += head.times;

@@ -6,6 +6,7 @@
 namespace taut {
 
 struct LayerTables;
+class FrameBefore;
 
 /// Rays of a render in the order they were traced, for replay. Not thread safe: record with one thread.
 struct RayRecord {
@@ -21,6 +22,7 @@ struct TraceSettings {
     const LayerTables *layers = nullptr; ///< by what a film's layers are found; null: it has none with sums
     bool independent = false; ///< no sample knows of the others of its pixel: noisier, and what statistics of independent samples are held to
     bool oneByOne = false; ///< shade no hits at once (hit_lanes.h): to measure, and to test that nothing changes
+    const FrameBefore *before = nullptr; ///< of a film that is denoised over frames
 };
 
 } // namespace taut

@@ -1,0 +1,59 @@
+#include "taut/render/denoise_oidn.h"
+
+#include "taut/base/error.h"
+
+#include <OpenImageDenoise/oidn.hpp>
+
+namespace taut {
+
+namespace {
+
+/// Channels side by side. A pixel without a sample in one half, or with one that is not believed, is given the mean.
+std::vector<float> interleaved(const DenoisePixels &pixels, const std::array<Plane, 3> &planes, const Plane *share) {
+    std::vector<float> values(3 * pixels.alpha.size());
+    for (std::size_t i = 0; i < pixels.alpha.size(); ++i)
+        for (std::size_t c = 0; c < 3; ++c) values[3 * i + c] = share != nullptr && (*share)[i] == 0 ? pixels.mean[c][i] : planes[c][i];
+    return values;
+}
+
+void put(oidn::DeviceRef &device, oidn::FilterRef &filter, const char *name, const std::vector<float> &values, std::size_t width,
+         std::size_t height, std::vector<oidn::BufferRef> &buffers) {
+    oidn::BufferRef buffer = device.newBuffer(values.size() * sizeof(float));
+    buffer.write(0, values.size() * sizeof(float), values.data());
+    filter.setImage(name, buffer, oidn::Format::Float3, width, height);
+    buffers.push_back(buffer);
+}
+
+} // namespace
+
+Regressed openImageDenoise(const DenoisePixels &pixels) {
+    Regressed out;
+    out.known.assign(pixels.alpha.size(), 1);
+    const auto width = static_cast<std::size_t>(pixels.width);
+    const auto height = static_cast<std::size_t>(pixels.height);
+    oidn::DeviceRef device = oidn::newDevice(oidn::DeviceType::CPU);
+    device.commit();
+    for (int half = 0; half < 2; ++half) {
+        oidn::FilterRef filter = device.newFilter("RT");
+        std::vector<oidn::BufferRef> buffers;
+        std::vector<float> result(3 * pixels.alpha.size());
+        put(device, filter, "color", interleaved(pixels, pixels.half[half], &pixels.share[half]), width, height, buffers);
+        put(device, filter, "albedo", interleaved(pixels, pixels.albedo, nullptr), width, height, buffers);
+        put(device, filter, "normal", interleaved(pixels, pixels.normal, nullptr), width, height, buffers);
+        put(device, filter, "output", result, width, height, buffers);
+        filter.set("hdr", true);
+        filter.commit();
+        filter.execute();
+        const char *message = nullptr;
+        if (device.getError(message) != oidn::Error::None) throw RunError(std::string("Open Image Denoise: ") + message);
+        buffers.back().read(0, result.size() * sizeof(float), result.data());
+        for (std::size_t c = 0; c < 3; ++c) {
+            Plane &plane = out.half[half][c];
+            plane.resize(pixels.alpha.size());
+            for (std::size_t i = 0; i < plane.size(); ++i) plane[i] = result[3 * i + c];
+        }
+    }
+    return out;
+}
+
+} // namespace taut

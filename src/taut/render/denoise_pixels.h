@@ -1,0 +1,42 @@
+#pragma once
+/// The sums of a film as the denoiser reads them: means of both halves, variances of means, features; a plane of floats each.
+
+#include "taut/render/film.h"
+
+#include <array>
+
+namespace taut {
+
+/// [pixels] row by row.
+using Plane = std::vector<float>;
+using ColourPlanes = std::array<Plane, 3>;
+
+struct DenoisePixels {
+    int width = 0, height = 0;
+    bool halves = true;    ///< every pixel has samples in both halves
+    ColourPlanes mean;     ///< of all samples
+    ColourPlanes half[2];  ///< of the first and of the second half of them; 0 where there is none
+    Plane samples;  ///< how many
+    Plane share[2];        ///< of the samples that are in that half
+    ColourPlanes variance; ///< of `mean`; that of a half is this over its share
+    Plane alpha;           ///< coverage
+    Plane trust;           ///< 1; 0 for a pixel that one bright sample made: it is not believed
+    // Means over the samples that told features; what hit nothing counts as 0.
+    std::array<Plane, 3> normal, albedo;
+    Plane featureNoise[2]; ///< variance of the means of normal and of albedo, the mean of three channels
+    // Means over the hits.
+    Plane depth;
+    std::array<Plane, 3> halfway;
+    std::array<Plane, 2> stretch;
+    std::array<Plane, 6> gloss;
+    std::array<Plane, 2> motion; ///< pixels to the frame before
+    Plane moving;                ///< share of the samples that told features whose motion is known
+};
+
+/// Throws InputError where the film keeps no sums for denoising.
+DenoisePixels denoisePixelsOf(const Film &film);
+
+/// Mean over the pixels of the square window of this radius that lie in the picture.
+void boxMean(Plane &plane, int width, int height, int radius);
+
+} // namespace taut
