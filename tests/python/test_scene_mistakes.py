@@ -21,7 +21,7 @@ def endless():
     "make, message",
     [
         (lambda: taut.Scene("nofile.toml"), "nofile.toml: found no such file, expected a readable file"),
-        (lambda: taut.Scene({"rendr": {}}), "rendr: found 'rendr', expected one of render, camera,"),
+        (lambda: taut.Scene({"rendr": {}}), "rendr: found 'rendr', expected one of render, image, camera,"),
         (lambda: taut.Scene({"render": {"width": -3}}), "render.width: found -3, expected an integer in [1, 32768]"),
         (lambda: taut.Scene({"render": {"width": None}}), "render.width: found NoneType 'None', expected a number, a string"),
         (lambda: taut.Scene({"render": {1: 2}}), "render: found 1 for a key, expected a string"),
