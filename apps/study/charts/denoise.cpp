@@ -242,7 +242,7 @@ void addCosts(const ChartOptions &options, Chart &chart) {
         const double megapixels = 1e-6 * render.width * render.height;
         const auto filmMegabytes = [&](bool denoises) {
             const double before = allocatedMegabytes();
-            const Film film({0, 0, render.width, render.height}, {}, denoises ? 2 : 0);
+            const Film film({0, 0, render.width, render.height}, {}, {}, denoises ? 2 : 0);
             return (allocatedMegabytes() - before) / megapixels;
         };
         const Taken taken = take(ready, 4, 3);
