@@ -162,7 +162,7 @@ TEST_CASE("denoise: sums are the same for any split, and come back as they were 
     CHECK(plainBytes.str().find("denoise") == std::string::npos);
     CHECK_THROWS_AS(plain.merge(whole), InputError);
     CHECK_THROWS_AS(denoise(plain), InputError);
-    Film otherBlocks(window, {}, 5);
+    Film otherBlocks(window, {}, {}, 5);
     CHECK_THROWS_AS(otherBlocks.merge(whole), InputError);
 }
 
