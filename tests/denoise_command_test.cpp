@@ -15,7 +15,7 @@ CommandResult render(const Workplace &place, const std::string &output, const Ar
 
 } // namespace
 
-TEST_CASE("--denoise: the unfiltered picture and the error are in the EXR, the PNG is filtered", "[denoise]") {
+TEST_CASE("denoise: the unfiltered picture and the error are in the EXR, the PNG is filtered", "[denoise]") {
     const Workplace place("denoise");
     requireSuccess(render(place, "plain.exr", {"--frames", "2"}));
     requireSuccess(render(place, "clean.exr", {"--frames", "2", "--denoise", "--aov", "depth", "-o", place.path("clean.png")}));
@@ -40,7 +40,7 @@ TEST_CASE("--denoise: the unfiltered picture and the error are in the EXR, the P
     CHECK(fs::exists(place.path("clean.png")));
 }
 
-TEST_CASE("--denoise: shards merge into the very files of the whole, over frames too", "[denoise]") {
+TEST_CASE("denoise: shards merge into the very files of the whole, over frames too", "[denoise]") {
     const Workplace place("denoise_shards");
     for (const std::string option : {"--denoise", "--denoise-frames"}) {
         requireSuccess(render(place, "whole#.exr", {"--frames", "1-3", option}));
@@ -59,7 +59,7 @@ TEST_CASE("--denoise: shards merge into the very files of the whole, over frames
     requireSuccess(render(place, "noise.exr", {"--denoise", "--noise", "0.2", "--spp", "32"}));
 }
 
-TEST_CASE("--denoise-frames is refused where frames are left out", "[denoise]") {
+TEST_CASE("denoise: over frames is refused where frames are left out", "[denoise]") {
     const Workplace place("denoise_refused");
     checkUsageError(render(place, "a#.exr", {"--frames", "1-2", "--denoise-frames", "--skip-existing"}),
                     "--denoise-frames: found --skip-existing");
