@@ -174,3 +174,11 @@ TEST_CASE("structure: every header has its guard and says what it is", "[structu
         if (lines.size() < 2 || lines[0] != "#pragma once" || lines[1].rfind("///", 0) != 0) FAIL_CHECK(file);
     }
 }
+
+TEST_CASE("structure: no test's name reads as an option of the test program", "[structure]") {
+    const std::regex option(R"re(TEST_CASE\("-)re");
+    for (const std::string &file : sourcesBelow("tests")) {
+        INFO(file);
+        CHECK_FALSE(std::regex_search(sourceText("tests/" + file), option));
+    }
+}
