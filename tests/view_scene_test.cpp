@@ -180,6 +180,7 @@ TEST_CASE("view: a change that makes no scene is refused in one line, and change
     refused({{"changes", {{{"key", "a b"}, {"value", 1}}}}}, "a dotted key");
     refused({{"changes", {{{"key", "render.spp"}, {"text", "4\n[mesh]"}}}}}, "found");
     refused({{"changes", 3}}, "an array");
+    refused({{"changes", {{{"key", "render.spp"}, {"value", 4}, {"atFrame", "yes"}}}}}, "true or false");
     refused({{"frame", "x"}}, "a whole number");
     const Json after = server.get("state").json();
     CHECK(after["changes"] == before["changes"]);

@@ -141,7 +141,9 @@ std::optional<std::string> SceneChanges::textOf(const nlohmann::json &change, co
         toml = given.get<std::string>();
     } else {
         TomlValue made = tomlOf(given, key);
-        if (change.value("atFrame", false)) {
+        const auto atFrame = change.find("atFrame");
+        if (atFrame != change.end() && !atFrame->is_boolean()) failInput({key}, std::string("atFrame of ") + atFrame->type_name(), "true or false");
+        if (atFrame != change.end() && atFrame->get<bool>()) {
             const TomlValue tree = treeWith(joined(arguments_.overrides, so));
             made = withValueAt(findKey(tree, key), frame, std::move(made));
         }
