@@ -7,6 +7,7 @@
 
 #include "taut/base/checked_stream.h"
 #include "taut/base/file_bytes.h"
+#include "taut/render/denoise.h"
 #include "taut/render/saved_frame.h"
 
 #include <sstream>
@@ -63,6 +64,7 @@ void runFilm(std::string_view bytes) {
         require(Film::load(again) == film, "what is saved is read back");
         Film both = film;
         both.merge(film);
+        if (both.denoiseSums() != nullptr) static_cast<void>(denoise(both));
     });
 }
 
@@ -147,8 +149,12 @@ std::vector<std::string> filmSeeds() {
     const Vec3 lights[] = {Vec3(0.25F), Vec3(0.5F)};
     layered.add(1, 0, Vec3(0.75F), 1, nullptr);
     layered.addLayers(1, 0, Vec3(0.75F), {0x3f800000, 0, lights});
-    return {saved(plain), saved(named), saved(layered)};
+    Film halves({0, 0, 2, 1}, {}, {}, 2);
+    halves.add(1, 0, Vec3(0.5F), 1, nullptr);
+    halves.denoiseSums()->add(1, 0, 0, Vec3(0.5F), nullptr, false);
+    return {saved(plain), saved(named), saved(layered), saved(halves)};
 }
+
 std::vector<std::string> restoreSeeds() {
     return {std::string(1, '\0') + savedFrame(false, 0), std::string(1, '\0') + savedFrame(false, 2), '\1' + savedFrame(true, 0),
             '\1' + savedFrame(true, 1)};
