@@ -102,7 +102,7 @@ const std::string &scratchFolder() {
 std::string scratchFile(const std::string &name, std::string_view bytes) {
     std::string path = scratchFolder() + '/' + name;
     std::FILE *file = std::fopen(path.c_str(), "wb");
-    require(file != nullptr && std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size(), "the scratch folder can be written");
+    require(file != nullptr && (bytes.empty() || std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size()), "the scratch folder can be written");
     std::fclose(file);
     return path;
 }
