@@ -70,7 +70,7 @@ class Test:
 
     def settled(self, frame=1):
         """Waits until the picture is that of the newest change, whole, and nothing comes after it for a while."""
-        end = time.monotonic() + 90
+        end = time.monotonic() + 90 * webdriver.PATIENCE
         while time.monotonic() < end:
             before = self.server.get("state")["version"]
             time.sleep(0.6) # longer than the page waits for a hand to rest
@@ -340,14 +340,14 @@ class Test:
         self.browser.until("return document.getElementById('trouble').textContent.includes('The server is gone')")
         self.server = Server(self.taut, self.scene, "--token-file", f"{self.folder}/token", "--port", self.port)
         self.browser.until("return document.getElementById('trouble').hidden")
-        for _ in range(100):
+        for _ in range(int(100 * webdriver.PATIENCE)):
             if self.server.get("state")["changes"] == changes:
                 break
             time.sleep(0.1)
         assert self.server.get("state")["changes"] == changes, "what was changed is there again"
         self.browser.run("document.getElementById('saving').open = true")
         self.browser.click("#quit")
-        assert self.server.process.wait(timeout=60) == 0
+        assert self.server.process.wait(timeout=60 * webdriver.PATIENCE) == 0
 
     def run(self):
         try:

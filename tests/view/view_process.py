@@ -6,6 +6,8 @@ import struct
 import subprocess
 import urllib.request
 
+from webdriver import PATIENCE
+
 
 class Server:
     def __init__(self, taut, scene, *arguments):
@@ -13,16 +15,16 @@ class Server:
         self.url = self.process.stdout.readline().strip()
 
     def get(self, path):
-        with urllib.request.urlopen(self.url + path, timeout=60) as answer:
+        with urllib.request.urlopen(self.url + path, timeout=60 * PATIENCE) as answer:
             return json.load(answer)
 
     def end(self):
         self.process.send_signal(signal.SIGINT)
-        assert self.process.wait(timeout=60) == 0
+        assert self.process.wait(timeout=60 * PATIENCE) == 0
 
     def picture(self):
         """The newest picture as it travels: rows of pixels, each its channels, linear."""
-        with urllib.request.urlopen(self.url + "picture?follows=1&after=0", timeout=60) as answer:
+        with urllib.request.urlopen(self.url + "picture?follows=1&after=0", timeout=60 * PATIENCE) as answer:
             data = answer.read()
         words = struct.unpack("<16I", data[:64])
         columns, rows, channels = words[5], words[6], words[12]

@@ -2,6 +2,7 @@
 
 import base64
 import json
+import os
 import re
 import shutil
 import struct
@@ -12,6 +13,7 @@ import urllib.request
 import zlib
 
 ELEMENT = "element-6066-11e4-a52e-4f735466cecf"
+PATIENCE = float(os.environ.get("TAUT_PATIENCE", "1")) # times as long as elsewhere for all that is waited for: sanitizers are slow
 KEYS = {"left": "\ue012", "up": "\ue013", "right": "\ue014", "down": "\ue015", "shift": "\ue008", "ctrl": "\ue009", "alt": "\ue00a",
         "tab": "\ue004", "enter": "\ue007"}
 
@@ -48,7 +50,7 @@ class Browser:
         data = None if body is None else json.dumps(body).encode()
         request = urllib.request.Request(self.base + path, data=data, method=method, headers={"Content-Type": "application/json"})
         try:
-            with urllib.request.urlopen(request, timeout=180) as answer:
+            with urllib.request.urlopen(request, timeout=180 * PATIENCE) as answer:
                 return json.load(answer)["value"]
         except urllib.error.HTTPError as error:
             raise AssertionError(f"{method} {path}: {error.read().decode()[:500]}") from None
@@ -65,6 +67,7 @@ class Browser:
 
     def until(self, script, *arguments, seconds=90):
         """Waits until it is true, and returns it."""
+        seconds *= PATIENCE
         end = time.monotonic() + seconds
         while time.monotonic() < end:
             if value := self.run(script, *arguments):
