@@ -3,7 +3,9 @@
 #include "taut/base/error.h"
 
 #include <dlfcn.h>
+#include <link.h>
 
+#include <cstddef>
 #include <filesystem>
 #include <mutex>
 #include <thread>
@@ -32,9 +34,31 @@ std::vector<std::string> placesBeside() {
     return places;
 }
 
+/// Places along the run path of the program or library that this code is part of, as the system reads it. That path goes with whoever
+/// calls dlopen(), which is a sanitizer's runtime where that stands in between.
+std::vector<std::string> placesAlongRunPath() {
+    Dl_info self{};
+    link_map *map = nullptr;
+    if (dladdr1(reinterpret_cast<const void *>(&imageCodec), &self, reinterpret_cast<void **>(&map), RTLD_DL_LINKMAP) == 0) return {};
+    const bool isProgram = map->l_name == nullptr || *map->l_name == '\0';
+    void *handle = dlopen(isProgram ? nullptr : map->l_name, RTLD_LAZY | RTLD_NOLOAD);
+    if (handle == nullptr) return {};
+    std::vector<std::string> places;
+    if (Dl_serinfo size{}; dlinfo(handle, RTLD_DI_SERINFOSIZE, &size) == 0) {
+        std::vector<std::max_align_t> room(size.dls_size / sizeof(std::max_align_t) + 1);
+        auto *found = reinterpret_cast<Dl_serinfo *>(room.data());
+        *found = size;
+        if (dlinfo(handle, RTLD_DI_SERINFO, found) == 0)
+            for (unsigned i = 0; i < found->dls_cnt; ++i) places.push_back(fs::path(found->dls_serpath[i].dls_name) / kFileName);
+    }
+    dlclose(handle);
+    return places;
+}
+
 void *openModule(std::string &tried) {
     std::vector<std::string> places = placesBeside();
-    places.emplace_back(kFileName); // along the run path
+    for (std::string &place : placesAlongRunPath()) places.push_back(std::move(place));
+    places.emplace_back(kFileName); // where else the system looks
     for (const std::string &place : places) {
         std::error_code error;
         const bool isName = place == kFileName;
