@@ -191,6 +191,30 @@ TEST_CASE("checkpoint: a limit of time stops, and stops again, until it is done"
     }
 }
 
+TEST_CASE("checkpoint: a limit of time that is over before the first sample is said, and the frame comes to its end all the same",
+          "[checkpoint]") {
+    const Workplace place("late");
+    for (const Arguments &more : {Arguments{"--spp", "6"}, Arguments{"--noise", "0.3", "--spp", "64"}}) {
+        renderWhole(place, "whole.exr", more);
+        Arguments words = renderOf(place, "a.exr", more);
+        words.insert(words.end(), {"--resume", "--time-limit", "0.000001s", "--progress", "json"});
+        int stops = 0;
+        double share = 0;
+        for (CommandResult result = runTaut(words); result.exitCode != 0; result = runTaut(words)) {
+            INFO(result.err);
+            REQUIRE(result.exitCode == 75);
+            CHECK(result.err.find("taut: warning: --time-limit 0.000001s was over ") != std::string::npos);
+            const std::vector<double> stopped = sharesTold(result.err, "stopped");
+            REQUIRE(stopped.size() == 1);
+            REQUIRE((stopped[0] > share || more[0] == "--noise")); // whose share is that of whole passes
+            share = stopped[0];
+            REQUIRE(++stops < 10000);
+        }
+        CHECK(stops >= (more[0] == "--spp" ? 5 : 1)); // a sample a pixel at most
+        CHECK(isSame(place, "a.exr", "whole.exr"));
+    }
+}
+
 TEST_CASE("checkpoint: one of another scene, version or setting is refused, and stays", "[checkpoint]") {
     const Workplace place("refused");
     fs::copy_file(fs::path(TAUT_SOURCE_DIR) / "meshes/plate.obj", place.path("plate.obj"));

@@ -35,8 +35,9 @@ RunningFrame::RunningFrame(const RenderScene &scene, const FrameJob &job, const 
 }
 
 bool RunningFrame::advance(const StopRequest &request) {
-    while (true) {
-        const FrameState state = frame_.advance(budget());
+    const bool late = options_.deadline && secondsUntil(*options_.deadline) <= 0;
+    for (FrameBudget next = late ? budgetWhenLate() : budget();; next = budget()) {
+        const FrameState state = frame_.advance(next);
         if (state == FrameState::Done || (job_.options.seconds && seconds() >= *job_.options.seconds)) return true;
         if (request.signal() != nullptr || (options_.deadline && secondsUntil(*options_.deadline) <= 0)) return false;
         if (options_.interval && secondsUntil(written_) <= -*options_.interval) tryCheckpoint();
@@ -87,6 +88,15 @@ FrameBudget RunningFrame::budget() const {
     return budget;
 }
 
+/// However often a limit that is shorter than what comes before the first sample stops the frame, it comes to its end.
+FrameBudget RunningFrame::budgetWhenLate() const {
+    FrameBudget budget;
+    budget.evenly = false;
+    budget.samples = 1;
+    budget.seconds = 1;
+    return budget;
+}
+
 /// Between two stretches of work: what goes wrong is told, and the work goes on.
 void RunningFrame::tryCheckpoint() {
     try {
@@ -108,16 +118,17 @@ FrameEnd runFrame(const RenderScene &scene, const FrameJob &job, const Checkpoin
     }
     const DisplayFeed feed(job.display, shownAs, [&] { return frame.filmSoFar(); });
     const StopRequest request([&] { frame.stop(); });
+    const double late = options.deadline ? std::max(0.0, -secondsUntil(*options.deadline)) : 0;
     if (!frame.advance(request)) {
         const char *cause = request.signal() != nullptr ? request.signal() : "--time-limit";
         frame.save(job.checkpoint);
         progress.stopped(cause, frame.share(), job.checkpoint);
-        return {false, cause};
+        return {false, cause, late};
     }
     finish(frame);
     std::error_code ignored;
     if (options.resume || options.interval) std::filesystem::remove(job.checkpoint, ignored);
-    return {true, request.signal()};
+    return {true, request.signal(), late};
 }
 
 } // namespace taut::app

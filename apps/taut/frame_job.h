@@ -35,7 +35,8 @@ class RunningFrame {
     /// Goes on from the checkpoint where that is asked for. Throws InputError where it is another frame's.
     RunningFrame(const RenderScene &scene, const FrameJob &job, const CheckpointOptions &options, Progress &progress);
 
-    /// To the end, to a stop or to the deadline, with checkpoints; true at the end.
+    /// To the end, to a stop or to the deadline, with checkpoints; true at the end. Where the deadline is over already the frame gets
+    /// further all the same, by a sample for every pixel, within a second.
     bool advance(const StopRequest &request);
     void stop() noexcept { frame_.stop(); }
     /// All that there is, to go on with or to merge. Throws RunError.
@@ -52,6 +53,7 @@ class RunningFrame {
   private:
     const SavedHead &head();
     [[nodiscard]] FrameBudget budget() const;
+    [[nodiscard]] FrameBudget budgetWhenLate() const;
     void tryCheckpoint();
 
     const FrameJob &job_;
@@ -66,6 +68,7 @@ class RunningFrame {
 struct FrameEnd {
     bool done = false;
     const char *cause = nullptr; ///< of stopping here: the name of a signal, or the limit of time; null: go on
+    double secondsLate = 0;      ///< by which the limit of time was over before the first sample
 };
 
 /// Renders the frame. Where it is stopped it leaves a checkpoint, and tells so. `finish` writes what it ends in, before a signal can end

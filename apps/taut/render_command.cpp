@@ -216,6 +216,7 @@ int render(RenderArguments &arguments) {
         job.head = [&] { return names.head(frame, job.options.seed); };
         if (!begun && (checkpoints.interval || checkpoints.resume)) removeAbandonedFiles(fs::path(results.front()).parent_path().string());
         if (!begun) checkWritable(results.front());
+        const bool isFirst = !begun;
         begun = true;
         if (!checkpoints.resume && checkpoints.interval && fs::exists(job.checkpoint))
             warn(arguments, job.checkpoint + ": is there, but without --resume the frame begins anew and replaces it");
@@ -229,6 +230,10 @@ int render(RenderArguments &arguments) {
             if (const std::uint64_t count = finished.counts().notFinite; count > 0)
                 warn(arguments, fmt::format("frame {}: {} samples were not finite and were left out", frame, count));
         });
+        if (!end.done && isFirst && end.secondsLate > 0)
+            warn(arguments, fmt::format("--time-limit {} was over {:.2g} s before the first sample, expected a longer one; the frame got "
+                                        "further by a sample a pixel at most",
+                                        arguments.timeLimit, end.secondsLate));
         if (end.done && end.cause != nullptr && frame != frames.back()) progress.stopped(end.cause, 1, "");
         if (end.cause != nullptr && (!end.done || frame != frames.back())) return kResumable;
     }
