@@ -37,6 +37,7 @@ std::span<const Harness> harnesses() {
         Harness{"image", runImage, imageSeeds},
         Harness{"png", runImage, pngSeeds, Grammar::Png},
         Harness{"environment", runEnvironment, environmentSeeds},
+        Harness{"ocio", runOcio, ocioSeeds},
         Harness{"writers", runWriters, writerSeeds, Grammar::Toml},
         Harness{"http", runHttp, httpSeeds},
         Harness{"change", runChange, changeSeeds, Grammar::Json},

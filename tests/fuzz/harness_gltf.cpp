@@ -5,6 +5,7 @@
 
 #include "mesh_samples.h"
 
+#include "taut/scene/ground.h"
 #include "taut/scene/load_scene.h"
 #include "taut/scene/object_surface.h"
 
@@ -20,7 +21,7 @@ void readGltfFile(const std::string &name, std::string_view bytes) {
     });
     survive([&] {
         Warnings warnings;
-        const Scene scene = loadScene(path, {"environment.radiance=1"}, warnings); // the studio takes longer than the file
+        Scene scene = loadScene(path, {"environment.radiance=1"}, warnings); // the studio takes longer than the file
         constexpr std::size_t kMostObjects = 8;
         for (std::size_t i = 0; i < std::min(kMostObjects, scene.objects.size()); ++i) {
             ObjectSurface surface;
@@ -29,6 +30,8 @@ void readGltfFile(const std::string &name, std::string_view bytes) {
             surfaceAtFrame(surface, 7, scene.render.fps, DMat4(1), ignored, ignored);
         }
         static_cast<void>(cameraAtFrame(scene.camera, 7, scene.render.fps));
+        scene.render.frames.resize(std::min<std::size_t>(2, scene.render.frames.size()));
+        if (const std::optional<Ground> ground = groundOf(scene)) standOn(*ground, scene);
     });
 }
 

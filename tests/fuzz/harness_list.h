@@ -1,6 +1,8 @@
 #pragma once
 /// Every harness and its seeds; the table of them is in harness.cpp.
 
+#include "taut/images/image_settings.h"
+
 #include <string>
 #include <string_view>
 #include <vector>
@@ -53,6 +55,12 @@ void runEnvironment(std::string_view bytes);
 std::vector<std::string> imageSeeds();
 std::vector<std::string> pngSeeds();
 std::vector<std::string> environmentSeeds();
+
+// harness_colours.cpp
+/// Makes the view and shows some colours through it, those that are none among them.
+void checkColours(const ViewSettings &settings);
+void runOcio(std::string_view bytes);
+std::vector<std::string> ocioSeeds();
 
 // harness_picture.cpp
 void runPicture(std::string_view bytes);

@@ -7,7 +7,12 @@
 
 #include "taut/mesh/topology.h"
 #include "taut/plan/plan.h"
+#include "taut/render/denoise_features.h"
+#include "taut/render/denoise_frames.h"
+#include "taut/render/image_file.h"
+#include "taut/render/light_groups.h"
 #include "taut/scene/check_scene.h"
+#include "taut/scene/ground.h"
 
 #include <algorithm>
 
@@ -204,6 +209,58 @@ Scene sceneFrom(Source &source) {
     return scene;
 }
 
+void requireNumbers(const std::vector<float> &values) {
+    for (const float value : values) require(!std::isnan(value), "a picture has no value that is no number");
+}
+
+FilmLayers layersFrom(Source &source) {
+    FilmLayers layers;
+    layers.objects = source.flag();
+    layers.materials = source.flag();
+    layers.lights = source.flag();
+    layers.samples = source.flag();
+    layers.variance = source.flag();
+    layers.ranks = 2 + 2 * static_cast<int>(source.below(16));
+    return layers;
+}
+
+/// Two frames, the second with what the first shows.
+void renderDenoised(RenderScene &scene, FrameOptions options, Source &source) {
+    options.denoiseBlock = 1;
+    options.spp = 2 + static_cast<int>(source.below(3));
+    FrameDenoiser denoiser(source.flag());
+    std::optional<FrameBefore> before;
+    for (const double frame : {2.0, 3.0}) {
+        if (frame > 2) {
+            before.emplace(scene);
+            StageTimes times;
+            scene.setFrame(frame, times);
+            options.before = &*before;
+        }
+        const Denoised picture = denoiser.next(renderFrame(scene, options).film);
+        requireNumbers(picture.rgb);
+        requireNumbers(picture.error);
+    }
+}
+
+void writeAndRead(const RenderScene &scene, const Film &film, Source &source) {
+    const Image image = imageOf(film, scene.scene().render);
+    ImageSettings settings;
+    settings.exrHalf = source.flag();
+    settings.exrCompression = exrCompressions()[source.below(static_cast<unsigned>(exrCompressions().size()))];
+    settings.pngBits = source.flag() ? 16 : 8;
+    settings.view.exposure = static_cast<double>(source.number());
+    settings.view.view = source.flag() ? "filmic" : "";
+    for (const char *name : {"/picture.exr", "/picture.png"}) {
+        const std::string path = scratchFolder() + name;
+        if (std::string_view(name).ends_with("exr")) checkCompressionOf(settings.exrCompression, image.channels);
+        writeImage(path, image, matteMetadata(scene.scene(), film.layers()), settings);
+        const Image read = readImage(path);
+        require(read.width == image.width && read.height == image.height && read.window == image.window, "what is written can be read");
+        if (std::string_view(name).ends_with("exr")) require(read.channels.size() == image.channels.size(), "with all channels");
+    }
+}
+
 } // namespace
 
 void runPicture(std::string_view bytes) {
@@ -215,6 +272,11 @@ void runPicture(std::string_view bytes) {
         if (mesh.faceCount() == 0) return;
         const bool planned = source.flag();
         check(scene);
+        if (source.flag()) {
+            scene.unsaid.scene = scene.unsaid.camera = true;
+            if (const std::optional<Ground> ground = groundOf(scene)) standOn(*ground, scene);
+            check(scene);
+        }
         std::optional<RenderScene> ready;
         if (planned) {
             PlannedScene plan = planScene(scene, {});
@@ -228,8 +290,14 @@ void runPicture(std::string_view bytes) {
         options.spp = 1;
         const std::string_view all = "all";
         if (source.flag()) options.aovs = aovsNamed({&all, 1}, "fuzz");
+        if (source.flag()) options.layers = layersFrom(source);
+        if (source.flag()) {
+            renderDenoised(*ready, options, source);
+            return;
+        }
         const FrameResult result = renderFrame(*ready, options);
-        for (const float value : result.film.resolve()) require(!std::isnan(value), "a picture has no value that is no number");
+        requireNumbers(result.film.resolve());
+        if (source.flag()) writeAndRead(*ready, result.film, source);
     });
 }
 

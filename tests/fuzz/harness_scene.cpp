@@ -35,6 +35,7 @@ void writeCompanions() {
         scratchFile("two.pc2", caches.front());
         scratchFile("map.png", pngSeeds().front());
         scratchFile("sky.hdr", environmentSeeds().front());
+        scratchFile("show.ocio", ocioSeeds().front());
         return true;
     }();
     static_cast<void>(done);
@@ -142,6 +143,29 @@ type = "diffuse"
 color = [1, 0.5, 0]
 )";
 
+constexpr const char *kSeen = R"([image]
+exposure = -1.5
+view = "aces"
+display = "sRGB"
+bits = [16, "half"]
+compression = "dwaa:45"
+[render]
+width = 8
+height = 8
+[[light]]
+type = "point"
+position = [0, 0, 2]
+intensity = 3
+group = "key"
+[material.shines]
+type = "diffuse"
+unlit = true
+[[mesh]]
+file = "quad.obj"
+material = "shines"
+group = "signs"
+)";
+
 } // namespace
 
 void runToml(std::string_view bytes) {
@@ -162,6 +186,7 @@ void runScene(std::string_view bytes) {
         Warnings warnings;
         const Scene scene = loadScene(scratchFile("fuzz.toml", bytes), {}, warnings);
         for (const std::string &line : warnings.lines) require(line.find('\n') == std::string::npos, "a warning is one line");
+        checkColours(scene.image.view);
         if (!isSmall(scene)) return;
         static_cast<void>(planScene(scene, {}));
     });
@@ -202,7 +227,7 @@ std::vector<std::string> tomlSeeds() {
     return {kPlain, kMixed, "a.b.c = 1\n[x.y]\n[[z]]\n'q' = \"\"\"\nl\n\"\"\"\nd = 1979-05-27T07:32:00Z\nh = [0xff, 1e5, inf]\n"};
 }
 std::vector<std::string> sceneSeeds() {
-    return {kPlain, kMixed, kCache};
+    return {kPlain, kMixed, kCache, kSeen};
 }
 std::vector<std::string> writerSeeds() {
     std::vector<std::string> seeds;

@@ -18,13 +18,14 @@ constexpr std::array<std::string_view, 20> kFiles{"\"quad.obj\"", "\"torus.obj\"
                                                   "\"map.png\"",  "\"sky.hdr\"",   "\"none.obj\"", "\"\"",          "\".\"",       "\"../x\"",        "{ file = \"map.png\" }",
                                                   "{ file = \"map.png\", scale = 2, channel = 1 }", "{ at = [0, 1, 0], offset = [0, 0, 1] }", "{ file = \"map.png\", tile = 2 }",
                                                   "{ a = \"x\" }", "[{ type = \"twist\", angle_deg = 40 }]", "[[0, 0, 0, 1, 2, 3]]"};
-constexpr std::array<std::string_view, 58> kWords{
+constexpr std::array<std::string_view, 68> kWords{
     "\"x\"",        "\"y\"",         "\"z\"",       "\"xy\"",     "\"quad\"",     "\"sphere\"",   "\"directional\"", "\"point\"",  "\"spot\"",   "\"mesh\"",
     "\"studio\"",   "\"auto\"",      "\"off\"",     "\"walk\"",   "\"compensation\"", "\"stretch\"", "\"shear\"",   "\"bend\"",   "\"twist\"",  "\"taper\"",
     "\"lattice\"",  "\"wave\"",      "\"diffuse\"", "\"conductor\"", "\"dielectric\"", "\"coated\"", "\"thin_glass\"", "\"metallic_roughness\"", "\"Al\"", "\"Au\"",
     "\"rubber\"",   "\"skin\"",      "\"foil\"",    "\"annealed aluminium\"", "\"clip\"", "\"1-4\"", "\"1-100x7,3\"", "\"bind\"", "\"frame 2\"", "\"loop\"",
     "\"catmull-clark\"", "\"edge\"", "\"edge-and-corner\"", "\"analytic\"", "\"face\"", "\"area\"", "\"least-squares\"", "\"limit\"", "\"ds-dt\"", "\"cholesky\"",
-    "\"blend\"",    "\"mask\"",      "\"moments\"", "\"map\"",    "\"bends\"",    "\"box\"",      "true",            "false"};
+    "\"blend\"",    "\"mask\"",      "\"moments\"", "\"map\"",    "\"bends\"",    "\"box\"",      "true",            "false",
+    "\"filmic\"",   "\"aces\"",      "\"standard\"", "\"sRGB\"",   "\"half\"",     "[16, \"float\"]", "\"dwaa:45\"",     "\"piz\"",    "\"show.ocio\"", "\"key\""};
 
 struct Section {
     std::string_view header;
@@ -34,13 +35,14 @@ constexpr std::array kSections{
     Section{"[render]", "width height spp max_events frames fps seed fixed_seed filter shutter motion_steps"},
     Section{"[camera]", "position look_at up fov_deg ortho_height aperture_radius focus_distance gltf node clip loop translate rotate_deg scale"},
     Section{"[environment]", "file radiance preset rotation_deg scale camera_visible"},
-    Section{"[[light]]", "type radiance intensity irradiance corner u v two_sided centre radius direction position inner_deg outer_deg camera_visible mesh power file"},
+    Section{"[image]", "exposure view display look ocio space bits compression"},
+    Section{"[[light]]", "type radiance intensity irradiance corner u v two_sided centre radius direction position inner_deg outer_deg camera_visible mesh power file group"},
     Section{"[material.brushed]",
             "preset type metal f0 color ior alpha alpha_x alpha_y roughness rotation_deg metallic anisotropy poisson masking multiscatter normal bump height detail "
             "facets roughening yield opacity alpha_mode alpha_cutoff double_sided unlit specular specular_color transmission thin_walled attenuation_color "
             "attenuation_distance clearcoat clearcoat_roughness clearcoat_normal sheen_color sheen_roughness iridescence iridescence_ior iridescence_thickness"},
     Section{"[[mesh]]", "file name material subdivision smooth follow rest translate rotate_deg scale up clip loop lights deform scheme boundary crease_deg gradient "
-                        "interpolation lean cache variant"},
+                        "interpolation lean cache variant group"},
     Section{"[[mesh.deform]]",
             "type centre factor plane amount axis towards direction range angle_deg amplitude wavelength phase_deg lower upper points offsets"},
 };
