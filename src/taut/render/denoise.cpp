@@ -39,7 +39,7 @@ struct Candidate {
 
 /// What errors are relative to: the square of the light around a pixel.
 Plane brightnessOf(const DenoisePixels &p, const ColourPlanes &colour) {
-    Plane light(p.alpha.size());
+    Plane light(p.count());
     double sum = 0;
     for (std::size_t i = 0; i < light.size(); ++i) {
         light[i] = (colour[0][i] + colour[1][i] + colour[2][i]) / 3;
@@ -54,9 +54,9 @@ Plane brightnessOf(const DenoisePixels &p, const ColourPlanes &colour) {
 /// The mean of both halves' predictions, as each pixel has samples in them; and the variance of that.
 Guide guideOf(const DenoisePixels &p, const Regressed &r) {
     Guide guide;
-    const std::size_t count = p.alpha.size();
-    for (Plane &plane : guide.colour) plane.assign(count, 0);
-    guide.variance.assign(count, 0);
+    const std::size_t count = p.count();
+    for (Plane &plane : guide.colour) plane.assign(p.stored(), 0);
+    guide.variance.assign(p.stored(), 0);
     for (std::size_t i = 0; i < count; ++i)
         for (std::size_t c = 0; c < 3; ++c) {
             const float a = r.half[0][c][i];
@@ -72,8 +72,8 @@ Guide guideOf(const DenoisePixels &p, const Regressed &r) {
 /// opposite directions in the two, so that they differ by more than the mean errs; a prediction from one half, held against the other,
 /// bounds it.
 Plane sharedVariance(const DenoisePixels &p, const Regressed &r, const Plane &brightness) {
-    Plane apart(p.alpha.size());
-    Plane between(p.alpha.size());
+    Plane apart(p.count());
+    Plane between(p.count());
     for (std::size_t i = 0; i < apart.size(); ++i) {
         if (p.trust[i] == 0 || p.share[0][i] == 0 || p.share[1][i] == 0) continue;
         for (std::size_t c = 0; c < 3; ++c) {
@@ -81,7 +81,7 @@ Plane sharedVariance(const DenoisePixels &p, const Regressed &r, const Plane &br
                 const float d = r.half[half][c][i] - p.half[1 - half][c][i];
                 apart[i] += p.share[1 - half][i] * d * d / brightness[i];
             }
-            between[i] += p.variance[c][i] / brightness[i];
+            between[i] += p.variance[i] / brightness[i];
         }
     }
     boxMean(apart, p.width, p.height, kErrorRadius);
@@ -97,8 +97,8 @@ Plane sharedVariance(const DenoisePixels &p, const Regressed &r, const Plane &br
 Candidate candidateOf(const DenoisePixels &p, const Regressed &r, const Plane &brightness, const Plane &shared) {
     Candidate candidate;
     candidate.colour = guideOf(p, r).colour;
-    candidate.error.assign(p.alpha.size(), 0);
-    parallelFor(p.alpha.size(), 4096, [&](std::size_t i) {
+    candidate.error.assign(p.count(), 0);
+    parallelFor(p.count(), 4096, [&](std::size_t i) {
         if (p.trust[i] == 0) return;
         float error = 0;
         float weight = 0;
@@ -108,7 +108,7 @@ Candidate candidateOf(const DenoisePixels &p, const Regressed &r, const Plane &b
             weight += share;
             for (std::size_t c = 0; c < 3; ++c) {
                 const float apart = r.half[half][c][i] - p.half[1 - half][c][i];
-                error += share * (apart * apart - p.variance[c][i] * (1 / share - 1 + shared[i])) / 3;
+                error += share * (apart * apart - p.variance[i] * (1 / share - 1 + shared[i])) / 3;
             }
         }
         float between = 0;
@@ -125,9 +125,9 @@ Candidate candidateOf(const DenoisePixels &p, const Regressed &r, const Plane &b
 }
 
 Candidate unfiltered(const DenoisePixels &p, const Plane &brightness, const Plane &shared) {
-    Candidate candidate{p.mean, Plane(p.alpha.size())};
+    Candidate candidate{p.mean, Plane(p.count())};
     for (std::size_t i = 0; i < candidate.error.size(); ++i)
-        candidate.error[i] = p.trust[i] * shared[i] * (p.variance[0][i] + p.variance[1][i] + p.variance[2][i]) / (3 * brightness[i]);
+        candidate.error[i] = p.trust[i] * shared[i] * p.variance[i] / brightness[i];
     boxMean(candidate.error, p.width, p.height, kErrorRadius);
     for (std::size_t i = 0; i < candidate.error.size(); ++i)
         if (p.trust[i] == 0) candidate.error[i] = kInfinity;
@@ -137,21 +137,20 @@ Candidate unfiltered(const DenoisePixels &p, const Plane &brightness, const Plan
 /// What the samples of a pixel refute is not taken: a prediction stays within some of their standard errors. Those of few
 /// samples, which may all have missed the same light, are no less than what they are around.
 void holdToSamples(const DenoisePixels &p, Regressed &r) {
-    for (std::size_t c = 0; c < 3; ++c) {
-        Plane around = p.variance[c];
-        boxMean(around, p.width, p.height, 1);
-        for (std::size_t i = 0; i < around.size(); ++i) {
-            if (p.trust[i] == 0) continue;
-            const float missed = std::min(1.0F, kFewSamples / std::max(1.0F, p.samples[i]));
-            const float reach = kMostErrors * std::sqrt(std::max(p.variance[c][i], missed * around[i]));
-            for (ColourPlanes &half : r.half) half[c][i] = std::clamp(half[c][i], p.mean[c][i] - reach, p.mean[c][i] + reach);
-        }
+    Plane around = p.variance;
+    boxMean(around, p.width, p.height, 1);
+    for (std::size_t i = 0; i < p.count(); ++i) {
+        if (p.trust[i] == 0) continue;
+        const float missed = std::min(1.0F, kFewSamples / std::max(1.0F, p.samples[i]));
+        const float reach = kMostErrors * std::sqrt(std::max(p.variance[i], missed * around[i]));
+        for (ColourPlanes &half : r.half)
+            for (std::size_t c = 0; c < 3; ++c) half[c][i] = std::clamp(half[c][i], p.mean[c][i] - reach, p.mean[c][i] + reach);
     }
 }
 
 /// Of each pixel the candidate of the least error, with soft seams.
 Denoised best(const DenoisePixels &p, const std::vector<Candidate> &candidates, const Plane &brightness) {
-    const std::size_t count = p.alpha.size();
+    const std::size_t count = p.count();
     std::vector<std::uint8_t> chosen(count, 0);
     for (std::size_t i = 0; i < count; ++i)
         for (std::size_t k = 1; k < candidates.size(); ++k)
@@ -187,7 +186,7 @@ Denoised denoise(const Film &film) {
 }
 
 Denoised denoise(const DenoisePixels &pixels) {
-    if (pixels.alpha.empty()) return {};
+    if (pixels.count() == 0) return {};
 #ifdef TAUT_OPEN_IMAGE_DENOISE
     const bool own = false;
     Regressed first = openImageDenoise(pixels);
