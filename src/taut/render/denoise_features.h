@@ -26,6 +26,8 @@ enum DenoiseFeature : std::uint8_t {
 };
 
 inline constexpr float kMostAlbedo = 8;
+/// Probes of a pixel where surfaces end.
+inline constexpr int kEdgeProbes = 16;
 /// Lobes narrower than that are told apart no further.
 inline constexpr float kLeastGloss = 0.01F;
 

@@ -37,6 +37,7 @@ void allocate(DenoisePixels &p) {
     each(p.motion);
     p.variance.assign(pixels, 0);
     p.alpha.assign(pixels, 0);
+    p.edge.assign(pixels, 0);
     p.samples.assign(pixels, 0);
     p.trust.assign(pixels, 1);
     p.depth.assign(pixels, 0);
@@ -73,6 +74,7 @@ void readColours(const Film &film, int x, int y, std::size_t i, DenoisePixels &p
 void readFeatures(const PixelFeatures &f, std::size_t i, DenoisePixels &p) {
     if (f.probes == 0) return;
     p.alpha[i] = static_cast<float>(f.covered) / PixelFeatures::kWhole;
+    p.edge[i] = f.probes >= kEdgeProbes ? 1.0F : 0.0F;
     p.moving[i] = static_cast<float>(f.moving) / PixelFeatures::kWhole;
     const auto read = [&](auto &planes, int first) {
         for (std::size_t k = 0; k < planes.size(); ++k) planes[k][i] = f.at(first + static_cast<int>(k));
@@ -140,29 +142,27 @@ void distrustSpikes(DenoisePixels &p) {
 
 void boxMean(Plane &plane, int width, int height, int radius) {
     const auto w = static_cast<std::size_t>(width);
-    Plane rows(plane.size());
-    parallelFor(static_cast<std::size_t>(height), 8, [&](std::size_t y) {
-        const float *in = &plane[y * w];
-        for (int x = 0; x < width; ++x) {
-            float sum = 0;
-            const int last = std::min(width - 1, x + radius);
-            for (int u = std::max(0, x - radius); u <= last; ++u) sum += in[u];
-            rows[y * w + static_cast<std::size_t>(x)] = sum;
-        }
+    const auto r = static_cast<std::size_t>(radius);
+    Plane rows(w * static_cast<std::size_t>(height));
+    parallelFor(static_cast<std::size_t>(height), 16, [&](std::size_t y) {
+        thread_local std::vector<float> padded;
+        padded.assign(w + 2 * r, 0);
+        std::copy_n(&plane[y * w], w, padded.begin() + radius);
+        float *out = &rows[y * w];
+        for (std::size_t k = 0; k <= 2 * r; ++k)
+            for (std::size_t x = 0; x < w; ++x) out[x] += padded[x + k];
+        for (int x = 0; x < width; ++x) out[x] /= static_cast<float>(std::min(width - 1, x + radius) - std::max(0, x - radius) + 1);
     });
-    parallelFor(static_cast<std::size_t>(height), 8, [&](std::size_t row) {
+    parallelFor(static_cast<std::size_t>(height), 16, [&](std::size_t row) {
         const int y = static_cast<int>(row);
         const int first = std::max(0, y - radius);
         const int last = std::min(height - 1, y + radius);
         float *out = &plane[row * w];
         std::fill_n(out, w, 0.0F);
+        const float share = 1 / static_cast<float>(last - first + 1);
         for (int v = first; v <= last; ++v) {
             const float *in = &rows[static_cast<std::size_t>(v) * w];
-            for (std::size_t x = 0; x < w; ++x) out[x] += in[x];
-        }
-        for (int x = 0; x < width; ++x) {
-            const int across = std::min(width - 1, x + radius) - std::max(0, x - radius) + 1;
-            out[x] /= static_cast<float>(across * (last - first + 1));
+            for (std::size_t x = 0; x < w; ++x) out[x] += in[x] * share;
         }
     });
 }

@@ -23,6 +23,7 @@ struct DenoisePixels {
     Plane share[2];        ///< of the samples that are in that half
     Plane variance;        ///< of `mean`, that of three colours; of a half it is this over its share
     Plane alpha;           ///< share of the probes that met a surface or a light
+    Plane edge;            ///< 1 where surfaces end in the pixel or beside it, else 0
     Plane trust;           ///< 1; 0 for a pixel that one bright sample made: it is not believed
     // Means over the probes (denoise_probes.cpp); what hit nothing counts as 0.
     std::array<Plane, 3> normal, albedo;

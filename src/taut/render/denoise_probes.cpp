@@ -17,7 +17,6 @@ namespace {
 
 constexpr int kDetailed = 4; ///< probes of a pixel that sees a texture
 constexpr int kBlurred = 8;  ///< where what a pixel sees is left to chance: by lens, shutter or opacity
-constexpr int kEdge = 16;
 /// Neighbouring pixels see different surfaces where cosines of facets are below, or distances further apart.
 constexpr float kSameFacet = 0.9F, kSameDepth = 0.1F;
 /// Of the sample sequence, whatever that of the frame.
@@ -150,7 +149,7 @@ class PathTracer::State::Probes {
         const Seen &own = seen_[ringPlace(x, y)];
         for (int v = std::max(ring_.y0, y - 1); v < std::min(ring_.y1, y + 2); ++v)
             for (int u = std::max(ring_.x0, x - 1); u < std::min(ring_.x1, x + 2); ++u)
-                if (!areAlike(own, seen_[ringPlace(u, v)])) return kEdge;
+                if (!areAlike(own, seen_[ringPlace(u, v)])) return kEdgeProbes;
         return isBlurred_ ? kBlurred : own.detailed ? kDetailed : 1;
     }
 
