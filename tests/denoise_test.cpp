@@ -51,9 +51,11 @@ Film filmOf(const Window &window, int spp, unsigned seed, const std::function<Se
                 const Vec3 radiance = seen.colour * (1 + seen.noise * uniform(random));
                 if (s < first || (last >= 0 && s >= last)) continue;
                 film.add(x, y, radiance, seen.hits ? 1.0F : 0.0F, nullptr);
-                const bool tells = seen.hits && tellsFeatures(static_cast<std::uint32_t>(s));
-                film.denoiseSums()->add(x, y, static_cast<std::uint32_t>(s), radiance, tells ? seen.features.data() : nullptr, tells);
+                film.denoiseSums()->add(x, y, static_cast<std::uint32_t>(s), radiance);
             }
+            FeatureMeans means;
+            means.add(seen.hits ? seen.features.data() : nullptr, seen.hits, seen.hits);
+            film.denoiseSums()->tell(x, y, means.rounded());
         }
     return film;
 }
@@ -228,9 +230,8 @@ TEST_CASE("denoise: an edge against nothing bleeds neither way", "[denoise]") {
 TEST_CASE("denoise: one bright sample neither stays nor spreads", "[denoise]") {
     const Window window{0, 0, 33, 33};
     Film film = filmOf(window, 16, 5, [](int, int) { return Seen{Vec3(1), 0.5F, true, flat()}; });
-    const Features f = flat();
     film.add(16, 16, Vec3(1e5F), 1, nullptr);
-    film.denoiseSums()->add(16, 16, 0, Vec3(1e5F), f.data(), true);
+    film.denoiseSums()->add(16, 16, 0, Vec3(1e5F));
     const Denoised d = denoise(film);
     for (int y = 0; y < 33; ++y)
         for (int x = 0; x < 33; ++x) CHECK(at(d, window, x, y) == Approx(1).margin(0.25));

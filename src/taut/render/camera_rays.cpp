@@ -122,7 +122,7 @@ void cameraRays(const RenderScene &scene, const TraceSettings &settings, CameraL
         using Loops = decltype(loops);
         Loops::numbers(grid, l);
         for (std::size_t i = 0; i < static_cast<std::size_t>(l.count); ++i) {
-            const Vec2 offset = sampleFilter(settings.boxFilter, {l.u[i], l.v[i]});
+            const Vec2 offset = l.centred ? Vec2(0) : sampleFilter(settings.boxFilter, {l.u[i], l.v[i]});
             l.u[i] = offset.x;
             l.v[i] = offset.y;
         }

@@ -16,6 +16,7 @@ inline constexpr std::uint32_t kTimeDimension = 0x40000000U;
 struct alignas(64) CameraLanes {
     static constexpr int kSize = 64;
     int count = 0;
+    bool centred = false; ///< through the middle of the pixel, wherever the filter would have it
     // Given.
     int x[kSize], y[kSize];      ///< pixel
     std::uint32_t sample[kSize]; ///< of the pixel

@@ -18,8 +18,8 @@ constexpr float kMostErrors = 2.5F;
 constexpr float kFewSamples = 4;
 /// Radius over which errors are averaged: one pixel says little of its own.
 constexpr int kErrorRadius = 4;
-/// And that over which a choice passes into the next.
-constexpr int kBlendRadius = 1;
+/// No filter is believed to leave less than that share of a pixel's noise.
+constexpr float kLeastLeft = 0.02F;
 /// Where it is not known how many samples there will be.
 constexpr int kBlockOfUnknown = 8;
 
@@ -31,15 +31,13 @@ constexpr RegressionScale kOthers[] = {{.radius = 3, .stride = 3, .gloss = 0},  
                                        {.radius = 8, .stride = 7, .curved = true, .lonely = false, .gloss = 3, .guide = 1.5F},
                                        {.radius = 15, .stride = 13, .curved = true, .lonely = false, .gloss = 3, .guide = 1.5F}};
 
-/// A way to filter, and what is thought of it.
-struct Candidate {
-    ColourPlanes colour;
-    Plane error; ///< mean squared error of a colour, relative to `brightness`
-};
+void forPixels(const DenoisePixels &p, const auto &use) {
+    parallelFor(p.count(), 4096, use);
+}
 
 /// What errors are relative to: the square of the light around a pixel.
 Plane brightnessOf(const DenoisePixels &p, const ColourPlanes &colour) {
-    Plane light(p.alpha.size());
+    Plane light(p.count());
     double sum = 0;
     for (std::size_t i = 0; i < light.size(); ++i) {
         light[i] = (colour[0][i] + colour[1][i] + colour[2][i]) / 3;
@@ -54,38 +52,61 @@ Plane brightnessOf(const DenoisePixels &p, const ColourPlanes &colour) {
 /// The mean of both halves' predictions, as each pixel has samples in them; and the variance of that.
 Guide guideOf(const DenoisePixels &p, const Regressed &r) {
     Guide guide;
-    const std::size_t count = p.alpha.size();
-    for (Plane &plane : guide.colour) plane.assign(count, 0);
-    guide.variance.assign(count, 0);
-    for (std::size_t i = 0; i < count; ++i)
+    for (Plane &plane : guide.colour) plane.assign(p.stored(), 0);
+    guide.variance.assign(p.stored(), 0);
+    forPixels(p, [&](std::size_t i) {
         for (std::size_t c = 0; c < 3; ++c) {
             const float a = r.half[0][c][i];
             const float b = r.half[1][c][i];
             guide.colour[c][i] = 0.5F * (a + b);
             guide.variance[i] += (a - b) * (a - b) / 12;
         }
+    });
     boxMean(guide.variance, p.width, p.height, 1);
     return guide;
 }
+
+/// Means around, of pixels where surfaces end and of the others by themselves: at an outline a filter errs in ways of its own.
+class Around {
+  public:
+    explicit Around(const DenoisePixels &p) : p_(p), edges_(p.edge) {
+        boxMean(edges_, p.width, p.height, kErrorRadius);
+    }
+    void average(Plane &error) const {
+        Plane atEdges(p_.count());
+        forPixels(p_, [&](std::size_t i) {
+            atEdges[i] = p_.edge[i] * error[i];
+            error[i] -= atEdges[i];
+        });
+        boxMean(atEdges, p_.width, p_.height, kErrorRadius);
+        boxMean(error, p_.width, p_.height, kErrorRadius);
+        forPixels(p_, [&](std::size_t i) { error[i] = p_.edge[i] > 0 ? atEdges[i] / edges_[i] : error[i] / (1 - edges_[i]); });
+    }
+
+  private:
+    const DenoisePixels &p_;
+    Plane edges_; // share of the pixels around
+};
 
 /// Share of what the halves' difference shows as the variance of their mean that is really there. Points that stratify each other err in
 /// opposite directions in the two, so that they differ by more than the mean errs; a prediction from one half, held against the other,
 /// bounds it.
 Plane sharedVariance(const DenoisePixels &p, const Regressed &r, const Plane &brightness) {
-    Plane apart(p.alpha.size());
-    Plane between(p.alpha.size());
-    for (std::size_t i = 0; i < apart.size(); ++i) {
-        if (p.trust[i] == 0 || p.share[0][i] == 0 || p.share[1][i] == 0) continue;
+    Plane apart(p.count());
+    Plane between(p.count());
+    forPixels(p, [&](std::size_t i) {
+        if (p.trust[i] == 0 || p.share[0][i] == 0 || p.share[1][i] == 0) return;
         for (std::size_t c = 0; c < 3; ++c) {
             for (std::size_t half = 0; half < 2; ++half) {
                 const float d = r.half[half][c][i] - p.half[1 - half][c][i];
                 apart[i] += p.share[1 - half][i] * d * d / brightness[i];
             }
-            between[i] += p.variance[c][i] / brightness[i];
+            between[i] += p.variance[i] / brightness[i];
         }
-    }
-    boxMean(apart, p.width, p.height, kErrorRadius);
-    boxMean(between, p.width, p.height, kErrorRadius);
+    });
+    const Around around(p);
+    around.average(apart);
+    around.average(between);
     // Of halves alike: half of (V + D^2) twice, less D^2, is V.
     for (std::size_t i = 0; i < apart.size(); ++i)
         apart[i] = between[i] > 0 ? std::clamp(apart[i] / between[i] - 1, kLeastShared, 1.0F) : 1.0F;
@@ -93,14 +114,12 @@ Plane sharedVariance(const DenoisePixels &p, const Regressed &r, const Plane &br
 }
 
 /// A prediction from one half is held against the other half, which it knows nothing of: what it differs by beyond the noise there is its
-/// error. The mean of both predictions has less: half of what they differ by.
-Candidate candidateOf(const DenoisePixels &p, const Regressed &r, const Plane &brightness, const Plane &shared) {
-    Candidate candidate;
-    candidate.colour = guideOf(p, r).colour;
-    candidate.error.assign(p.alpha.size(), 0);
-    parallelFor(p.alpha.size(), 4096, [&](std::size_t i) {
+/// error. The mean of both predictions has less: half of what they differ by. Relative to the brightness.
+Plane errorOf(const DenoisePixels &p, const Regressed &r, const Plane &brightness, const Plane &shared) {
+    Plane error(p.count());
+    forPixels(p, [&](std::size_t i) {
         if (p.trust[i] == 0) return;
-        float error = 0;
+        float sum = 0;
         float weight = 0;
         for (std::size_t half = 0; half < 2; ++half) {
             const float share = p.share[1 - half][i];
@@ -108,7 +127,7 @@ Candidate candidateOf(const DenoisePixels &p, const Regressed &r, const Plane &b
             weight += share;
             for (std::size_t c = 0; c < 3; ++c) {
                 const float apart = r.half[half][c][i] - p.half[1 - half][c][i];
-                error += share * (apart * apart - p.variance[c][i] * (1 / share - 1 + shared[i])) / 3;
+                sum += share * (apart * apart - p.variance[i] * (1 / share - 1 + shared[i])) / 3;
             }
         }
         float between = 0;
@@ -116,65 +135,79 @@ Candidate candidateOf(const DenoisePixels &p, const Regressed &r, const Plane &b
             const float apart = r.half[0][c][i] - r.half[1][c][i];
             between += apart * apart / 12;
         }
-        if (weight > 0) candidate.error[i] = (error / weight - between) / brightness[i];
+        if (weight > 0) error[i] = (sum / weight - between) / brightness[i];
     });
-    boxMean(candidate.error, p.width, p.height, kErrorRadius);
-    for (std::size_t i = 0; i < candidate.error.size(); ++i)
-        if (r.known[i] == 0) candidate.error[i] = kInfinity;
-    return candidate;
+    return error;
 }
 
-Candidate unfiltered(const DenoisePixels &p, const Plane &brightness, const Plane &shared) {
-    Candidate candidate{p.mean, Plane(p.alpha.size())};
-    for (std::size_t i = 0; i < candidate.error.size(); ++i)
-        candidate.error[i] = p.trust[i] * shared[i] * (p.variance[0][i] + p.variance[1][i] + p.variance[2][i]) / (3 * brightness[i]);
-    boxMean(candidate.error, p.width, p.height, kErrorRadius);
-    for (std::size_t i = 0; i < candidate.error.size(); ++i)
-        if (p.trust[i] == 0) candidate.error[i] = kInfinity;
-    return candidate;
+Plane errorOfUnfiltered(const DenoisePixels &p, const Plane &brightness, const Plane &shared) {
+    Plane error(p.count());
+    forPixels(p, [&](std::size_t i) { error[i] = p.trust[i] * shared[i] * p.variance[i] / brightness[i]; });
+    return error;
 }
 
 /// What the samples of a pixel refute is not taken: a prediction stays within some of their standard errors. Those of few
 /// samples, which may all have missed the same light, are no less than what they are around.
 void holdToSamples(const DenoisePixels &p, Regressed &r) {
-    for (std::size_t c = 0; c < 3; ++c) {
-        Plane around = p.variance[c];
-        boxMean(around, p.width, p.height, 1);
-        for (std::size_t i = 0; i < around.size(); ++i) {
-            if (p.trust[i] == 0) continue;
-            const float missed = std::min(1.0F, kFewSamples / std::max(1.0F, p.samples[i]));
-            const float reach = kMostErrors * std::sqrt(std::max(p.variance[c][i], missed * around[i]));
-            for (ColourPlanes &half : r.half) half[c][i] = std::clamp(half[c][i], p.mean[c][i] - reach, p.mean[c][i] + reach);
-        }
-    }
+    Plane around = p.variance;
+    boxMean(around, p.width, p.height, 1);
+    forPixels(p, [&](std::size_t i) {
+        if (p.trust[i] == 0) return;
+        const float missed = std::min(1.0F, kFewSamples / std::max(1.0F, p.samples[i]));
+        const float reach = kMostErrors * std::sqrt(std::max(p.variance[i], missed * around[i]));
+        for (ColourPlanes &half : r.half)
+            for (std::size_t c = 0; c < 3; ++c) half[c][i] = std::clamp(half[c][i], p.mean[c][i] - reach, p.mean[c][i] + reach);
+    });
 }
 
-/// Of each pixel the candidate of the least error, with soft seams.
-Denoised best(const DenoisePixels &p, const std::vector<Candidate> &candidates, const Plane &brightness) {
-    const std::size_t count = p.alpha.size();
-    std::vector<std::uint8_t> chosen(count, 0);
-    for (std::size_t i = 0; i < count; ++i)
-        for (std::size_t k = 1; k < candidates.size(); ++k)
-            if (candidates[k].error[i] < candidates[chosen[i]].error[i]) chosen[i] = static_cast<std::uint8_t>(k);
-    Denoised out;
-    out.rgb.assign(3 * count, 0);
-    out.error.assign(count, 0);
-    for (std::size_t k = 0; k < candidates.size(); ++k) {
-        Plane share(count);
-        for (std::size_t i = 0; i < count; ++i) share[i] = chosen[i] == k ? 1.0F : 0.0F;
-        boxMean(share, p.width, p.height, kBlendRadius);
-        for (std::size_t i = 0; i < count; ++i) {
-            if (share[i] == 0) continue;
-            // What is no choice of this pixel is none of its neighbours' either.
-            const bool valid = candidates[k].error[i] < kInfinity;
-            const Candidate &from = candidates[valid ? k : chosen[i]];
-            for (std::size_t c = 0; c < 3; ++c) out.rgb[3 * i + c] += share[i] * from.colour[c][i];
-            out.error[i] += share[i] * std::max(0.0F, from.error[i] < kInfinity ? from.error[i] : 0.0F);
-        }
+/// The mean of all ways to filter, by the inverse squares of their errors: the best of them all but alone, those alike together.
+class Blend {
+  public:
+    Blend(const DenoisePixels &p, const Plane &brightness, const Plane &shared)
+        : p_(p), brightness_(brightness), shared_(shared), around_(p), left_(errorOfUnfiltered(p, brightness, shared)), weights_(p.count()) {
+        out_.rgb.assign(3 * p.count(), 0);
+        out_.error.assign(p.count(), 0);
+        around_.average(left_);
+        Plane all = left_;
+        add(all, p.trust, [&](std::size_t i, std::size_t c) { return p.mean[c][i]; });
+        forPixels(p, [&](std::size_t i) { left_[i] = kLeastLeft * left_[i] + 1e-12F; });
     }
-    for (std::size_t i = 0; i < count; ++i) out.error[i] = std::sqrt(out.error[i] * brightness[i]);
-    return out;
-}
+
+    void add(const Regressed &r) {
+        Plane error = errorOf(p_, r, brightness_, shared_);
+        around_.average(error);
+        add(error, r.known, [&](std::size_t i, std::size_t c) { return 0.5F * (r.half[0][c][i] + r.half[1][c][i]); });
+    }
+
+    Denoised finish() && {
+        forPixels(p_, [&](std::size_t i) {
+            if (!(weights_[i] > 0)) return;
+            for (std::size_t c = 0; c < 3; ++c) out_.rgb[3 * i + c] /= weights_[i];
+            out_.error[i] = std::sqrt(out_.error[i] / weights_[i] * brightness_[i]);
+        });
+        return std::move(out_);
+    }
+
+  private:
+    const DenoisePixels &p_;
+    const Plane &brightness_;
+    const Plane &shared_;
+    Around around_;
+    Plane left_; // the least error that is believed
+    Plane weights_;
+    Denoised out_;
+
+    void add(const Plane &error, const Plane &valid, const auto &colour) {
+        forPixels(p_, [&](std::size_t i) {
+            if (valid[i] == 0) return;
+            const float held = std::max(error[i], left_[i]) + 1e-12F;
+            const float weight = 1 / (held * held);
+            weights_[i] += weight;
+            for (std::size_t c = 0; c < 3; ++c) out_.rgb[3 * i + c] += weight * colour(i, c);
+            out_.error[i] += weight * held;
+        });
+    }
+};
 
 } // namespace
 
@@ -187,7 +220,7 @@ Denoised denoise(const Film &film) {
 }
 
 Denoised denoise(const DenoisePixels &pixels) {
-    if (pixels.alpha.empty()) return {};
+    if (pixels.count() == 0) return {};
 #ifdef TAUT_OPEN_IMAGE_DENOISE
     const bool own = false;
     Regressed first = openImageDenoise(pixels);
@@ -199,16 +232,15 @@ Denoised denoise(const DenoisePixels &pixels) {
     const Guide guide = guideOf(pixels, first);
     const Plane brightness = brightnessOf(pixels, guide.colour);
     const Plane shared = sharedVariance(pixels, first, brightness);
-    std::vector<Candidate> candidates;
-    candidates.push_back(unfiltered(pixels, brightness, shared));
-    candidates.push_back(candidateOf(pixels, first, brightness, shared));
+    Blend blend(pixels, brightness, shared);
+    blend.add(first);
     if (own)
         for (const RegressionScale &scale : kOthers) {
             Regressed other = regress(pixels, scale, &guide);
             holdToSamples(pixels, other);
-            candidates.push_back(candidateOf(pixels, other, brightness, shared));
+            blend.add(other);
         }
-    return best(pixels, candidates, brightness);
+    return std::move(blend).finish();
 }
 
 } // namespace taut

@@ -3,6 +3,7 @@
 #include "taut/render/shading.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 namespace taut {
@@ -24,6 +25,27 @@ bool project(const Vec3 &p, double fovY, double orthoHeight, int height, Vec2 &p
 
 void put(float *out, const Vec3 &v) {
     for (int c = 0; c < 3; ++c) out[c] = v[c];
+}
+
+/// Steps of a unit that channels are kept in; 0: the upper half of a float.
+float stepsOf(int feature) {
+    if (feature >= kMotion) return 65536;
+    if (feature >= kGloss) return 0;
+    if (feature >= kLogStretch || feature == kDepth) return 2048;
+    if (feature >= kHalfway) return 16384;
+    return feature >= kAlbedo ? 32767 / kMostAlbedo : 32767;
+}
+
+std::uint16_t upperHalf(float x) {
+    return static_cast<std::uint16_t>((std::bit_cast<std::uint32_t>(std::isfinite(x) ? x : 0.0F) + 0x7fffU) >> 16U);
+}
+float ofUpperHalf(std::uint16_t bits) {
+    const float x = std::bit_cast<float>(static_cast<std::uint32_t>(bits) << 16U);
+    return std::isfinite(x) ? x : 0;
+}
+/// In steps, held at a limit.
+std::int32_t inSteps(double x, float steps, double most) {
+    return std::isfinite(x) ? static_cast<std::int32_t>(std::lrint(std::clamp(x * static_cast<double>(steps), -most, most))) : 0;
 }
 
 float logOf(float x) {
@@ -106,6 +128,56 @@ bool writeDenoiseFeatures(const RenderScene &scene, const SurfacePoint &point, c
     out[kMotion] = motion.x;
     out[kMotion + 1] = motion.y;
     return known;
+}
+
+float PixelFeatures::at(int feature) const {
+    const float steps = stepsOf(feature);
+    if (feature >= kMotion) return static_cast<float>(motion[static_cast<std::size_t>(feature - kMotion)]) / steps;
+    const std::uint16_t bits = channels[static_cast<std::size_t>(feature)];
+    return steps == 0 ? ofUpperHalf(bits) : static_cast<float>(static_cast<std::int16_t>(bits)) / steps;
+}
+
+float PixelFeatures::noiseOf(int which) const {
+    return std::fabs(ofUpperHalf(noise[which]));
+}
+
+void FeatureMeans::add(const float *features, bool covered, bool motionKnown) {
+    ++probes_;
+    covered_ += covered ? 1 : 0;
+    if (features == nullptr) return;
+    ++hits_;
+    moving_ += motionKnown ? 1 : 0;
+    const std::size_t known = motionKnown ? kDenoiseFeatures : kMotion;
+    for (std::size_t i = 0; i < known; ++i) {
+        const double x = std::isfinite(features[i]) ? static_cast<double>(features[i]) : 0.0;
+        sums_[i] += x;
+        if (i < kDepth) squares_[i] += x * x;
+    }
+}
+
+PixelFeatures FeatureMeans::rounded() const {
+    PixelFeatures f;
+    if (probes_ == 0) return f;
+    const auto share = [&](int of) { return static_cast<std::uint16_t>(std::lrint(65535.0 * of / probes_)); };
+    f.probes = static_cast<std::uint16_t>(std::min(probes_, 65535));
+    f.covered = share(covered_);
+    f.hits = share(hits_);
+    f.moving = share(moving_);
+    if (hits_ == 0) return f;
+    double noise[2] = {0, 0};
+    for (int i = 0; i < kMotion; ++i) {
+        const auto k = static_cast<std::size_t>(i);
+        const double mean = sums_[k] / (i < kDepth ? probes_ : hits_);
+        const float steps = stepsOf(i);
+        f.channels[k] = steps == 0 ? upperHalf(static_cast<float>(mean)) : static_cast<std::uint16_t>(inSteps(mean, steps, 32767));
+        if (i < kDepth && probes_ > 1)
+            noise[i < kAlbedo ? 0 : 1] += std::max(0.0, squares_[k] / probes_ - mean * mean) / (3.0 * (probes_ - 1));
+    }
+    for (std::size_t k = 0; k < 2; ++k) f.noise[k] = upperHalf(static_cast<float>(noise[k]));
+    if (moving_ == 0) return f;
+    for (std::size_t k = 0; k < 2; ++k)
+        f.motion[k] = inSteps(sums_[kMotion + k] / moving_, stepsOf(kMotion), 0x1p30);
+    return f;
 }
 
 } // namespace taut

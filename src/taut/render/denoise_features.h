@@ -1,9 +1,10 @@
 #pragma once
-/// What the denoiser is told of the first surface on a path: what other renderers know of it, and what this one knows of its gloss.
+/// What the denoiser is told of the first surface that a pixel sees: what other renderers know of it, and what this one knows of its gloss.
 
 #include "taut/deform/affine.h"
 #include "taut/render/ray_batch.h"
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -12,27 +13,23 @@ namespace taut {
 class RenderScene;
 struct SurfacePoint;
 
-/// Channels, in their order. Those before kSquared have second moments too.
+/// Channels, in their order.
 enum DenoiseFeature : std::uint8_t {
     kNormal = 0,      ///< of the facet, world space, on the viewer's side
     kAlbedo = 3,      ///< base colour, held at kMostAlbedo
     kDepth = 6,       ///< natural logarithm of the distance along the view
     kHalfway = 7,     ///< minus the slope of the half vector to a distant light, but for a constant: n - wo / 2, world space
     kLogStretch = 10, ///< logarithms of the singular values of A, max and min
-    kSquared = 12,    ///< how many of them are
     kGloss = 12,      ///< t1 t1^T / alphaMax^2 + t2 t2^T / alphaMin^2 in world space, xx xy xz yy yz zz: slopes to units of the lobe
     kMotion = 18,     ///< from where the point is to where it was in the frame before, pixels; where that is known
     kDenoiseFeatures = 20
 };
 
 inline constexpr float kMostAlbedo = 8;
+/// Probes of a pixel where surfaces end.
+inline constexpr int kEdgeProbes = 16;
 /// Lobes narrower than that are told apart no further.
 inline constexpr float kLeastGloss = 0.01F;
-
-/// Whether a sample tells its features. They vary less than light does: after the first sixteen, every fourth does.
-inline bool tellsFeatures(std::uint32_t sample) {
-    return sample < 16 || sample % 4 == 0;
-}
 
 /// Where all surfaces and the camera were at a frame, kept while the scene is brought to the next one.
 class FrameBefore {
@@ -56,5 +53,36 @@ class FrameBefore {
 /// the motion is known.
 bool writeDenoiseFeatures(const RenderScene &scene, const SurfacePoint &point, const Vec3 &wo, float time, const FrameBefore *before,
                           float *out);
+
+/// Features of a pixel, rounded for keeping: means over its probes (denoise_probes.cpp). Any bits are finite values.
+struct PixelFeatures {
+    std::uint16_t probes = 0;  ///< camera rays that told; 0: none has
+    std::uint16_t covered = 0; ///< share of them that met a surface or a light, of kWhole
+    std::uint16_t hits = 0;    ///< share that met a surface
+    std::uint16_t moving = 0;  ///< share whose motion is known
+    std::uint16_t noise[2] = {0, 0};                    ///< variance of the means of normal and of albedo, the mean of three channels
+    std::array<std::uint16_t, kMotion> channels{};      ///< normal and albedo over all probes, 0 where nothing is met; others over hits
+    std::array<std::int32_t, 2> motion{};               ///< over those whose motion is known
+    static constexpr float kWhole = 65535;
+
+    /// A channel before kMotion, or of the motion.
+    [[nodiscard]] float at(int feature) const;
+    /// Variance of the mean of normal (0) or albedo (1).
+    [[nodiscard]] float noiseOf(int which) const;
+    bool operator==(const PixelFeatures &) const = default;
+};
+
+/// Means of what the probes of a pixel tell, in their order.
+class FeatureMeans {
+  public:
+    /// `features`: kDenoiseFeatures values, or null where no surface was met; `covered`: a light was, or a surface.
+    void add(const float *features, bool covered, bool motionKnown);
+    [[nodiscard]] PixelFeatures rounded() const;
+
+  private:
+    int probes_ = 0, covered_ = 0, hits_ = 0, moving_ = 0;
+    std::array<double, kDenoiseFeatures> sums_{};
+    std::array<double, kDepth> squares_{};
+};
 
 } // namespace taut

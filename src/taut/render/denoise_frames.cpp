@@ -56,7 +56,7 @@ struct Older {
 };
 
 Older olderPicture(const DenoisePixels &now, const DenoisePixels &then, const Denoised &picture) {
-    const std::size_t count = now.alpha.size();
+    const std::size_t count = now.count();
     Older older{std::vector<float>(3 * count), Plane(count), Plane(count)};
     parallelFor(static_cast<std::size_t>(now.height), 4, [&](std::size_t row) {
         for (int x = 0; x < now.width; ++x) {
@@ -90,7 +90,7 @@ Older olderPicture(const DenoisePixels &now, const DenoisePixels &then, const De
 
 /// Both pictures by the inverse of their errors; that of the older one is what it differs by from the newer, beyond the newer's own.
 void blend(const DenoisePixels &now, const Older &older, Denoised &picture) {
-    const std::size_t count = now.alpha.size();
+    const std::size_t count = now.count();
     Plane apart(count);
     Plane expected(count);
     Plane seen = older.seen;

@@ -20,7 +20,7 @@ void forRows(const DenoisePixels &p, const auto &row) {
 }
 
 void allocate(DenoisePixels &p) {
-    const std::size_t pixels = static_cast<std::size_t>(p.width) * static_cast<std::size_t>(p.height);
+    const std::size_t pixels = p.stored();
     const auto each = [&](auto &planes) {
         for (Plane &plane : planes) plane.assign(pixels, 0);
     };
@@ -28,7 +28,6 @@ void allocate(DenoisePixels &p) {
     each(p.half[0]);
     each(p.half[1]);
     each(p.share);
-    each(p.variance);
     each(p.normal);
     each(p.albedo);
     each(p.featureNoise);
@@ -36,7 +35,9 @@ void allocate(DenoisePixels &p) {
     each(p.stretch);
     each(p.gloss);
     each(p.motion);
+    p.variance.assign(pixels, 0);
     p.alpha.assign(pixels, 0);
+    p.edge.assign(pixels, 0);
     p.samples.assign(pixels, 0);
     p.trust.assign(pixels, 1);
     p.depth.assign(pixels, 0);
@@ -53,7 +54,7 @@ void readColours(const Film &film, int x, int y, std::size_t i, DenoisePixels &p
     const double first = n - second;
     p.share[0][i] = static_cast<float>(first / n);
     p.share[1][i] = static_cast<float>(second / n);
-    p.alpha[i] = static_cast<float>(film.sumAt(x, y, 3).value() / n);
+    double meanSquares = 0;
     for (std::size_t c = 0; c < 3; ++c) {
         const double sum = film.sumAt(x, y, c).value();
         const double half = sums.half[c].value();
@@ -61,67 +62,56 @@ void readColours(const Film &film, int x, int y, std::size_t i, DenoisePixels &p
         p.mean[c][i] = static_cast<float>(mean);
         if (first > 0) p.half[0][c][i] = static_cast<float>((sum - half) / first);
         if (second > 0) p.half[1][c][i] = static_cast<float>(half / second);
-        if (n > 1) p.variance[c][i] = static_cast<float>(std::max(0.0, sums.squares[c].value() / n - mean * mean) / (n - 1));
+        meanSquares += mean * mean;
         if (first > 0 && second > 0) {
             const double apart = static_cast<double>(p.half[0][c][i]) - static_cast<double>(p.half[1][c][i]);
             between[i] += static_cast<float>(apart * apart * first * second / (3 * n * n));
         }
     }
+    if (n > 1) p.variance[i] = static_cast<float>(std::max(0.0, sums.squares.value() / n - meanSquares) / (3 * (n - 1)));
 }
 
-void readFeatures(const DenoiseSums::Pixel &sums, std::size_t i, DenoisePixels &p) {
-    if (sums.told == 0 || sums.hits == 0) return;
-    const double ofTold = DenoiseSums::kUnit / sums.told;
-    const double ofHits = DenoiseSums::kUnit / sums.hits;
-    const auto mean = [&](int feature, double unit) {
-        return static_cast<double>(sums.features[static_cast<std::size_t>(feature)]) * unit;
+void readFeatures(const PixelFeatures &f, std::size_t i, DenoisePixels &p) {
+    if (f.probes == 0) return;
+    p.alpha[i] = static_cast<float>(f.covered) / PixelFeatures::kWhole;
+    p.edge[i] = f.probes >= kEdgeProbes ? 1.0F : 0.0F;
+    p.moving[i] = static_cast<float>(f.moving) / PixelFeatures::kWhole;
+    const auto read = [&](auto &planes, int first) {
+        for (std::size_t k = 0; k < planes.size(); ++k) planes[k][i] = f.at(first + static_cast<int>(k));
     };
-    for (int c = 0; c < 3; ++c) {
-        const auto k = static_cast<std::size_t>(c);
-        p.normal[k][i] = static_cast<float>(mean(kNormal + c, ofTold));
-        p.albedo[k][i] = static_cast<float>(mean(kAlbedo + c, ofTold));
-        p.halfway[k][i] = static_cast<float>(mean(kHalfway + c, ofHits));
-        for (const auto &[feature, noise] : {std::pair(kNormal + c, 0), std::pair(kAlbedo + c, 1)}) {
-            const double m = mean(feature, ofTold);
-            const double square = static_cast<double>(sums.featureSquares[static_cast<std::size_t>(feature)]) * ofTold;
-            p.featureNoise[noise][i] += static_cast<float>(std::max(0.0, square - m * m) / (3.0 * sums.told));
-        }
-    }
-    p.depth[i] = static_cast<float>(mean(kDepth, ofHits));
-    for (int c = 0; c < 2; ++c) p.stretch[static_cast<std::size_t>(c)][i] = static_cast<float>(mean(kLogStretch + c, ofHits));
-    for (int c = 0; c < 6; ++c) p.gloss[static_cast<std::size_t>(c)][i] = static_cast<float>(mean(kGloss + c, ofHits));
-    if (sums.moving == 0) return;
-    const double ofMoving = DenoiseSums::kUnit / sums.moving;
-    for (int c = 0; c < 2; ++c) p.motion[static_cast<std::size_t>(c)][i] = static_cast<float>(mean(kMotion + c, ofMoving));
-    p.moving[i] = static_cast<float>(sums.moving) / static_cast<float>(sums.told);
+    read(p.normal, kNormal);
+    read(p.albedo, kAlbedo);
+    read(p.halfway, kHalfway);
+    read(p.stretch, kLogStretch);
+    read(p.gloss, kGloss);
+    read(p.motion, kMotion);
+    p.depth[i] = f.at(kDepth);
+    for (int k = 0; k < 2; ++k) p.featureNoise[k][i] = f.noiseOf(k);
 }
 
 /// The sample variance knows nothing of points that stratify each other, the difference of the halves does but is noisy: the one is
 /// scaled by the other's mean around (Rousselle et al. 2012, section 6).
 void scaleVariance(DenoisePixels &p, Plane between) {
-    Plane sampled(between.size());
-    for (std::size_t i = 0; i < sampled.size(); ++i) sampled[i] = (p.variance[0][i] + p.variance[1][i] + p.variance[2][i]) / 3;
+    Plane sampled = p.variance;
     boxMean(between, p.width, p.height, kStratification);
     boxMean(sampled, p.width, p.height, kStratification);
-    for (std::size_t i = 0; i < sampled.size(); ++i) {
-        const float ratio = sampled[i] > 0 ? std::clamp(between[i] / sampled[i], 0.01F, 1.5F) : 1.0F;
-        for (Plane &v : p.variance) v[i] *= ratio;
-    }
+    for (std::size_t i = 0; i < p.count(); ++i)
+        p.variance[i] *= sampled[i] > 0 ? std::clamp(between[i] / sampled[i], 0.01F, 1.5F) : 1.0F;
 }
 
 /// Where there is one sample a pixel, its neighbours say how much it varies.
-void spatialVariance(const Film &film, DenoisePixels &p) {
-    for (std::size_t c = 0; c < 3; ++c) {
-        Plane mean = p.mean[c];
+void spatialVariance(DenoisePixels &p) {
+    Plane variance(p.count());
+    for (const Plane &plane : p.mean) {
+        Plane mean = plane;
         Plane square(mean.size());
-        for (std::size_t i = 0; i < mean.size(); ++i) square[i] = mean[i] * mean[i];
+        for (std::size_t i = 0; i < p.count(); ++i) square[i] = mean[i] * mean[i];
         boxMean(mean, p.width, p.height, 2);
         boxMean(square, p.width, p.height, 2);
-        std::size_t i = 0;
-        for (int y = film.window().y0; y < film.window().y1; ++y)
-            for (int x = film.window().x0; x < film.window().x1; ++x, ++i)
-                if (film.samplesAt(x, y) < 2) p.variance[c][i] = std::max(0.0F, square[i] - mean[i] * mean[i]);
+        for (std::size_t i = 0; i < p.count(); ++i) variance[i] += std::max(0.0F, square[i] - mean[i] * mean[i]) / 3;
     }
+    for (std::size_t i = 0; i < variance.size(); ++i)
+        if (p.samples[i] < 2) p.variance[i] = variance[i];
 }
 
 /// Pixels that one bright sample made: brighter than all around, and of a variance that is beyond theirs by far.
@@ -130,7 +120,7 @@ void distrustSpikes(DenoisePixels &p) {
     forRows(p, [&](int y) {
         for (int x = 0; x < p.width; ++x) {
             const std::size_t own = static_cast<std::size_t>(y) * static_cast<std::size_t>(p.width) + static_cast<std::size_t>(x);
-            const float variance = luminance(p.variance, own);
+            const float variance = 3 * p.variance[own];
             const float light = luminance(p.mean, own);
             if (!(variance > 0.1F * light * light)) continue; // an error of half its value and more
             std::array<float, 3> most{};
@@ -138,7 +128,7 @@ void distrustSpikes(DenoisePixels &p) {
             for (int v = std::max(0, y - 2); v <= std::min(p.height - 1, y + 2); ++v)
                 for (int u = std::max(0, x - 2); u <= std::min(p.width - 1, x + 2); ++u) {
                     const std::size_t i = static_cast<std::size_t>(v) * static_cast<std::size_t>(p.width) + static_cast<std::size_t>(u);
-                    float value = luminance(p.variance, i);
+                    float value = 3 * p.variance[i];
                     for (float &m : most)
                         if (value > m) std::swap(value, m);
                     if (i != own) brightest = std::max(brightest, luminance(p.mean, i));
@@ -152,29 +142,27 @@ void distrustSpikes(DenoisePixels &p) {
 
 void boxMean(Plane &plane, int width, int height, int radius) {
     const auto w = static_cast<std::size_t>(width);
-    Plane rows(plane.size());
-    parallelFor(static_cast<std::size_t>(height), 8, [&](std::size_t y) {
-        const float *in = &plane[y * w];
-        for (int x = 0; x < width; ++x) {
-            float sum = 0;
-            const int last = std::min(width - 1, x + radius);
-            for (int u = std::max(0, x - radius); u <= last; ++u) sum += in[u];
-            rows[y * w + static_cast<std::size_t>(x)] = sum;
-        }
+    const auto r = static_cast<std::size_t>(radius);
+    Plane rows(w * static_cast<std::size_t>(height));
+    parallelFor(static_cast<std::size_t>(height), 16, [&](std::size_t y) {
+        thread_local std::vector<float> padded;
+        padded.assign(w + 2 * r, 0);
+        std::copy_n(&plane[y * w], w, padded.begin() + radius);
+        float *out = &rows[y * w];
+        for (std::size_t k = 0; k <= 2 * r; ++k)
+            for (std::size_t x = 0; x < w; ++x) out[x] += padded[x + k];
+        for (int x = 0; x < width; ++x) out[x] /= static_cast<float>(std::min(width - 1, x + radius) - std::max(0, x - radius) + 1);
     });
-    parallelFor(static_cast<std::size_t>(height), 8, [&](std::size_t row) {
+    parallelFor(static_cast<std::size_t>(height), 16, [&](std::size_t row) {
         const int y = static_cast<int>(row);
         const int first = std::max(0, y - radius);
         const int last = std::min(height - 1, y + radius);
         float *out = &plane[row * w];
         std::fill_n(out, w, 0.0F);
+        const float share = 1 / static_cast<float>(last - first + 1);
         for (int v = first; v <= last; ++v) {
             const float *in = &rows[static_cast<std::size_t>(v) * w];
-            for (std::size_t x = 0; x < w; ++x) out[x] += in[x];
-        }
-        for (int x = 0; x < width; ++x) {
-            const int across = std::min(width - 1, x + radius) - std::max(0, x - radius) + 1;
-            out[x] /= static_cast<float>(across * (last - first + 1));
+            for (std::size_t x = 0; x < w; ++x) out[x] += in[x] * share;
         }
     });
 }
@@ -186,21 +174,20 @@ DenoisePixels denoisePixelsOf(const Film &film) {
     p.width = std::max(0, window.width());
     p.height = std::max(0, window.height());
     allocate(p);
-    Plane between(p.alpha.size());
+    Plane between(p.count());
     forRows(p, [&](int row) {
         const int y = window.y0 + row;
         std::size_t i = static_cast<std::size_t>(row) * static_cast<std::size_t>(p.width);
         for (int x = window.x0; x < window.x1; ++x, ++i) {
             readColours(film, x, y, i, p, between);
-            readFeatures(film.denoiseSums()->at(x, y), i, p);
+            readFeatures(film.denoiseSums()->featuresAt(x, y), i, p);
         }
     });
     bool lone = false;
-    for (std::size_t i = 0; i < p.alpha.size(); ++i) p.halves &= p.share[0][i] > 0 && p.share[1][i] > 0;
-    for (int y = window.y0; y < window.y1; ++y)
-        for (int x = window.x0; x < window.x1; ++x) lone |= film.samplesAt(x, y) < 2;
+    for (std::size_t i = 0; i < p.count(); ++i) p.halves &= p.share[0][i] > 0 && p.share[1][i] > 0;
+    for (std::size_t i = 0; i < p.count(); ++i) lone |= p.samples[i] < 2;
     if (p.halves) scaleVariance(p, std::move(between));
-    if (lone) spatialVariance(film, p);
+    if (lone) spatialVariance(p);
     distrustSpikes(p);
     return p;
 }

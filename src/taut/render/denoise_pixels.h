@@ -7,21 +7,25 @@
 
 namespace taut {
 
-/// [pixels] row by row.
+/// [pixels] row by row; those that loops read by many at once have kPlaneSlack values more.
 using Plane = std::vector<float>;
+inline constexpr int kPlaneSlack = 16;
 using ColourPlanes = std::array<Plane, 3>;
 
 struct DenoisePixels {
     int width = 0, height = 0;
+    [[nodiscard]] std::size_t count() const { return static_cast<std::size_t>(width) * static_cast<std::size_t>(height); }
+    [[nodiscard]] std::size_t stored() const { return count() + kPlaneSlack; } ///< values of a plane
     bool halves = true;    ///< every pixel has samples in both halves
     ColourPlanes mean;     ///< of all samples
     ColourPlanes half[2];  ///< of the first and of the second half of them; 0 where there is none
-    Plane samples;  ///< how many
+    Plane samples;         ///< how many
     Plane share[2];        ///< of the samples that are in that half
-    ColourPlanes variance; ///< of `mean`; that of a half is this over its share
-    Plane alpha;           ///< coverage
+    Plane variance;        ///< of `mean`, that of three colours; of a half it is this over its share
+    Plane alpha;           ///< share of the probes that met a surface or a light
+    Plane edge;            ///< 1 where surfaces end in the pixel or beside it, else 0
     Plane trust;           ///< 1; 0 for a pixel that one bright sample made: it is not believed
-    // Means over the samples that told features; what hit nothing counts as 0.
+    // Means over the probes (denoise_probes.cpp); what hit nothing counts as 0.
     std::array<Plane, 3> normal, albedo;
     Plane featureNoise[2]; ///< variance of the means of normal and of albedo, the mean of three channels
     // Means over the hits.
@@ -30,7 +34,7 @@ struct DenoisePixels {
     std::array<Plane, 2> stretch;
     std::array<Plane, 6> gloss;
     std::array<Plane, 2> motion; ///< pixels to the frame before
-    Plane moving;                ///< share of the samples that told features whose motion is known
+    Plane moving;                ///< share of the probes whose motion is known
 };
 
 /// Throws InputError where the film keeps no sums for denoising.

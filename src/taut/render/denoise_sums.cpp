@@ -5,28 +5,16 @@
 #include <algorithm>
 #include <cmath>
 #include <istream>
+#include <limits>
 #include <ostream>
 
 namespace taut {
 
 namespace {
 
-/// Beyond that a feature is held: 2^24 samples of it are far from the end of 64 bits.
-constexpr double kMostFeature = 16384;
 /// The most of a number that is packed: ten times seven bits.
 constexpr unsigned kLongestShift = 70;
 const char *const kEndsEarly = "film: found its end early, expected as many sums for denoising as it has pixels";
-
-/// Rounded by itself, so that the order does not matter; what is not finite adds nothing.
-std::int64_t fixed(double value) {
-    if (!std::isfinite(value)) return 0;
-    return std::llrint(std::clamp(value, -kMostFeature, kMostFeature) / DenoiseSums::kUnit);
-}
-
-/// Sums of a damaged file may be anything: they wrap.
-void addTo(std::int64_t &sum, std::int64_t value) {
-    sum = static_cast<std::int64_t>(static_cast<std::uint64_t>(sum) + static_cast<std::uint64_t>(value));
-}
 
 /// Seven bits a byte, the least first.
 void put(std::string &out, std::uint64_t value) {
@@ -53,37 +41,43 @@ std::int64_t getSigned(std::streambuf &in) {
     const std::uint64_t value = get(in);
     return static_cast<std::int64_t>(value >> 1U) ^ -static_cast<std::int64_t>(value & 1U);
 }
-std::uint32_t getCount(std::streambuf &in) {
+template <class T> T getCount(std::streambuf &in) {
     const std::uint64_t value = get(in);
-    if (value > 0xffffffffU) throw InputError("film: found counts for denoising that are none");
-    return static_cast<std::uint32_t>(value);
+    if (value > std::numeric_limits<T>::max()) throw InputError("film: found numbers for denoising that are none");
+    return static_cast<T>(value);
+}
+
+void putFeatures(std::string &out, const PixelFeatures &features) {
+    put(out, features.probes);
+    if (features.probes == 0) return;
+    for (const std::uint16_t value : {features.covered, features.hits, features.moving, features.noise[0], features.noise[1]}) put(out, value);
+    for (const std::uint16_t value : features.channels) put(out, value);
+    for (const std::int32_t value : features.motion) putSigned(out, value);
+}
+void getFeatures(std::streambuf &in, PixelFeatures &features) {
+    features.probes = getCount<std::uint16_t>(in);
+    if (features.probes == 0) return;
+    for (std::uint16_t *value : {&features.covered, &features.hits, &features.moving, &features.noise[0], &features.noise[1]})
+        *value = getCount<std::uint16_t>(in);
+    for (std::uint16_t &value : features.channels) value = getCount<std::uint16_t>(in);
+    for (std::int32_t &value : features.motion) value = static_cast<std::int32_t>(getSigned(in));
 }
 
 } // namespace
 
 DenoiseSums::DenoiseSums(const Window &window, int block) : window_(window), block_(std::max(1, block)) {
-    if (!window.empty()) pixels_.resize(static_cast<std::size_t>(window.width()) * static_cast<std::size_t>(window.height()));
+    if (window.empty()) return;
+    const std::size_t pixels = static_cast<std::size_t>(window.width()) * static_cast<std::size_t>(window.height());
+    pixels_.resize(pixels);
+    features_.resize(pixels);
 }
 
-void DenoiseSums::add(int x, int y, std::uint32_t sample, const Vec3 &radiance, const float *features, bool motionKnown) {
+void DenoiseSums::add(int x, int y, std::uint32_t sample, const Vec3 &radiance) {
     Pixel &pixel = pixels_[pixelAt(x, y)];
-    const bool second = inSecondHalf(x, y, sample);
-    pixel.second += second ? 1 : 0;
-    for (int c = 0; c < 3; ++c) {
-        const auto i = static_cast<std::size_t>(c);
-        if (second) pixel.half[i].add(radiance[c]);
-        pixel.squares[i].add(radiance[c] * radiance[c]);
-    }
-    if (!tellsFeatures(sample)) return;
-    ++pixel.told;
-    if (features == nullptr) return;
-    ++pixel.hits;
-    pixel.moving += motionKnown ? 1 : 0;
-    const std::size_t known = motionKnown ? kDenoiseFeatures : kMotion;
-    for (std::size_t i = 0; i < known; ++i) {
-        addTo(pixel.features[i], fixed(static_cast<double>(features[i])));
-        if (i < kSquared) addTo(pixel.featureSquares[i], fixed(static_cast<double>(features[i]) * static_cast<double>(features[i])));
-    }
+    pixel.squares.add(glm::dot(radiance, radiance));
+    if (!inSecondHalf(x, y, sample)) return;
+    ++pixel.second;
+    for (int c = 0; c < 3; ++c) pixel.half[static_cast<std::size_t>(c)].add(radiance[c]);
 }
 
 void DenoiseSums::merge(const DenoiseSums &other) {
@@ -95,36 +89,33 @@ void DenoiseSums::merge(const DenoiseSums &other) {
             const Pixel &from = other.at(x, y);
             Pixel &to = pixels_[pixelAt(x, y)];
             to.second += from.second;
-            to.told += from.told;
-            to.hits += from.hits;
-            to.moving += from.moving;
-            for (std::size_t c = 0; c < 3; ++c) {
-                to.half[c].add(from.half[c]);
-                to.squares[c].add(from.squares[c]);
-            }
-            for (std::size_t i = 0; i < kDenoiseFeatures; ++i) addTo(to.features[i], from.features[i]);
-            for (std::size_t i = 0; i < kSquared; ++i) addTo(to.featureSquares[i], from.featureSquares[i]);
+            for (std::size_t c = 0; c < 3; ++c) to.half[c].add(from.half[c]);
+            to.squares.add(from.squares);
+            if (featuresAt(x, y).probes == 0) tell(x, y, other.featuresAt(x, y));
         }
 }
 
 void DenoiseSums::copy(const DenoiseSums &from, const Window &part) {
-    for (int y = part.y0; y < part.y1; ++y)
-        std::copy_n(&from.pixels_[from.pixelAt(part.x0, y)], part.width(), &pixels_[pixelAt(part.x0, y)]);
+    for (int y = part.y0; y < part.y1; ++y) {
+        const std::size_t source = from.pixelAt(part.x0, y);
+        const std::size_t target = pixelAt(part.x0, y);
+        std::copy_n(&from.pixels_[source], part.width(), &pixels_[target]);
+        std::copy_n(&from.features_[source], part.width(), &features_[target]);
+    }
 }
 
 void DenoiseSums::save(std::ostream &out) const {
     std::string bytes;
     put(bytes, static_cast<std::uint64_t>(block_));
-    for (const Pixel &pixel : pixels_) {
-        for (const std::uint32_t count : {pixel.second, pixel.told, pixel.hits, pixel.moving}) put(bytes, count);
-        for (const auto *sums : {&pixel.half, &pixel.squares})
-            for (const ExactSum &sum : *sums) {
-                put(bytes, sum.low());
-                putSigned(bytes, sum.high());
-            }
-        for (const std::int64_t sum : pixel.features) putSigned(bytes, sum);
-        for (const std::int64_t sum : pixel.featureSquares) putSigned(bytes, sum);
-        if (bytes.size() < (1U << 16U) && &pixel != &pixels_.back()) continue;
+    for (std::size_t i = 0; i < pixels_.size(); ++i) {
+        const Pixel &pixel = pixels_[i];
+        put(bytes, pixel.second);
+        for (const ExactSum &sum : {pixel.half[0], pixel.half[1], pixel.half[2], pixel.squares}) {
+            put(bytes, sum.low());
+            putSigned(bytes, sum.high());
+        }
+        putFeatures(bytes, features_[i]);
+        if (bytes.size() < (1U << 16U) && i + 1 < pixels_.size()) continue;
         out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
         bytes.clear();
     }
@@ -140,14 +131,12 @@ DenoiseSums DenoiseSums::load(std::istream &in, const Window &window) {
     const auto pixels = static_cast<std::size_t>(std::max(0, window.width())) * static_cast<std::size_t>(std::max(0, window.height()));
     for (std::size_t i = 0; i < pixels; ++i) { // grows by what is read: no head asks for more memory than its file is worth
         Pixel &pixel = sums.pixels_.emplace_back();
-        for (std::uint32_t *count : {&pixel.second, &pixel.told, &pixel.hits, &pixel.moving}) *count = getCount(buffer);
-        for (auto *values : {&pixel.half, &pixel.squares})
-            for (ExactSum &sum : *values) {
-                const std::uint64_t low = get(buffer);
-                sum = ExactSum(low, getSigned(buffer));
-            }
-        for (std::int64_t &sum : pixel.features) sum = getSigned(buffer);
-        for (std::int64_t &sum : pixel.featureSquares) sum = getSigned(buffer);
+        pixel.second = getCount<std::uint32_t>(buffer);
+        for (ExactSum *sum : {&pixel.half[0], &pixel.half[1], &pixel.half[2], &pixel.squares}) {
+            const std::uint64_t low = get(buffer);
+            *sum = ExactSum(low, getSigned(buffer));
+        }
+        getFeatures(buffer, sums.features_.emplace_back());
     }
     return sums;
 }

@@ -1,6 +1,6 @@
 #pragma once
-/// What a film keeps beside its picture where it is to be denoised: the sums of one half of the samples, second moments, features. Exact,
-/// as the film's own: integers in fixed point, so that any order and any split of the samples gives the same bits.
+/// What a film keeps beside its picture where it is to be denoised: the sums of one half of the samples, their squares, features. Sums are
+/// exact, as the film's own, so that any order and any split of the samples gives the same bits; features do not depend on the samples.
 
 #include "taut/base/exact_sum.h"
 #include "taut/base/vec.h"
@@ -24,8 +24,10 @@ class DenoiseSums {
         return ((sample / static_cast<std::uint32_t>(block_) + static_cast<std::uint32_t>(x) + static_cast<std::uint32_t>(y)) & 1U) != 0;
     }
 
-    /// One sample. `features`: kDenoiseFeatures values where tellsFeatures(sample) and it hit a surface, else null.
-    void add(int x, int y, std::uint32_t sample, const Vec3 &radiance, const float *features, bool motionKnown);
+    /// One sample.
+    void add(int x, int y, std::uint32_t sample, const Vec3 &radiance);
+    /// What a pixel sees; the same whoever tells it.
+    void tell(int x, int y, const PixelFeatures &features) { features_[pixelAt(x, y)] = features; }
     /// Adds another's sums, whose window lies in this one's. Throws InputError where its blocks are others.
     void merge(const DenoiseSums &other);
     /// Takes over the pixels of a part, which both have.
@@ -33,18 +35,15 @@ class DenoiseSums {
 
     /// A pixel's sums; the first half is what the film has beyond the second.
     struct Pixel {
-        std::uint32_t second = 0;                              ///< samples in the second half
-        std::uint32_t told = 0;                                ///< samples that were asked for features, whether they hit a surface or not
-        std::uint32_t hits = 0;                                ///< of them that did
-        std::uint32_t moving = 0;                              ///< of them whose motion is known
-        std::array<ExactSum, 3> half{};                        ///< R G B over the second half
-        std::array<ExactSum, 3> squares{};                     ///< of R G B over all samples
-        std::array<std::int64_t, kDenoiseFeatures> features{}; ///< multiples of kUnit
-        std::array<std::int64_t, kSquared> featureSquares{};
+        std::array<ExactSum, 3> half{}; ///< R G B over the second half
+        ExactSum squares;               ///< R^2 + G^2 + B^2 over all samples
+        std::uint32_t second = 0;       ///< samples in the second half
         bool operator==(const Pixel &) const = default;
     };
-    static constexpr double kUnit = 0x1p-24; ///< of the fixed point of features
     [[nodiscard]] const Pixel &at(int x, int y) const { return pixels_[pixelAt(x, y)]; }
+
+    /// Without probes where nobody has told them.
+    [[nodiscard]] const PixelFeatures &featuresAt(int x, int y) const { return features_[pixelAt(x, y)]; }
 
     /// Writes all sums, little-endian; load() gives them back for a film of that window. Throws InputError where they are damaged or end
     /// early.
@@ -57,6 +56,7 @@ class DenoiseSums {
     Window window_;
     int block_;
     std::vector<Pixel> pixels_;
+    std::vector<PixelFeatures> features_; // [pixels]
 
     [[nodiscard]] std::size_t pixelAt(int x, int y) const {
         return static_cast<std::size_t>(y - window_.y0) * static_cast<std::size_t>(window_.width()) +

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::string_view kMagic = "taut film 2\n";
 /// Among the names of its AOVs: sums for denoising follow.
-constexpr std::string_view kDenoise = "+denoise";
+constexpr std::string_view kDenoise = "+denoise2";
 /// Pixels that are read or written at once.
 constexpr std::size_t kBlock = 4096;
 /// Before the words of layers, among the names of AOVs.

@@ -11,7 +11,6 @@ bool PathTracer::State::waits(int event, std::size_t i, int aovChannels) {
     const Index material = materialOfTriangle(object, hit.primitive);
     if (!plainMaterials[material].isPlain) return false;
     if (event == 0) paths[active[i]].alpha = 1;
-    if (event == 0 && denoises) tellFeatures(i);
     if (event >= settings.maxEvents) return true;
     waiting[material].push_back(static_cast<Index>(i));
     __builtin_prefetch(&object.surface.triangles[hit.primitive]);

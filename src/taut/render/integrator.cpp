@@ -107,13 +107,12 @@ bool PathTracer::traceTile(const Window &tile, int firstSample, int lastSample, 
     const int step = samplesABatch(tile);
     Film &film = access.film;
     const int aovChannels = film.aovChannels();
-    s.denoises = film.denoiseSums() != nullptr;
+    if (film.denoiseSums() != nullptr) s.probeTile(tile, access, times);
     for (int first = firstSample; first < lastSample; first += step) {
         auto clock = std::chrono::steady_clock::now();
         s.startPaths(tile, first, std::min(first + step, lastSample));
         s.aovs.assign(s.paths.size() * static_cast<std::size_t>(aovChannels), 0.0F);
         s.startLayers();
-        if (s.denoises) s.features.resize(s.paths.size() * kDenoiseFeatures);
         counts.paths += s.paths.size();
         for (int event = 0; !s.active.empty(); ++event) {
             if (access.stop.load(std::memory_order_relaxed)) return false;
@@ -145,8 +144,7 @@ bool PathTracer::traceTile(const Window &tile, int firstSample, int lastSample, 
                      path.hasAovs ? s.aovs.data() + i * static_cast<std::size_t>(aovChannels) : nullptr);
             if (s.settings.layers != nullptr) film.addLayers(path.x, path.y, path.radiance, s.layerSample(i));
             if (DenoiseSums *sums = film.denoiseSums(); sums != nullptr)
-                sums->add(path.x, path.y, path.sample, path.radiance, path.hasFeatures != 0 ? &s.features[i * kDenoiseFeatures] : nullptr,
-                          path.hasFeatures == 2);
+                sums->add(path.x, path.y, path.sample, path.radiance);
         }
         times.film += secondsSince(clock);
     }

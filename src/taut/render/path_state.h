@@ -1,7 +1,7 @@
 #pragma once
 /// The paths of a batch under way, their rays and their place in the sample sequence. Internal to the integrator: integrator.cpp says
 /// what happens when, path_state.cpp starts paths and ends them outside of surfaces, shade_hit.cpp scatters them one by one, gather.cpp
-/// many at once, surface_test.cpp says what they meet.
+/// many at once, surface_test.cpp says what they meet, denoise_probes.cpp looks at what pixels see.
 
 #include "taut/base/sobol.h"
 #include "taut/render/camera_rays.h"
@@ -30,7 +30,6 @@ struct Path {
     std::uint32_t sample = 0;
     std::uint32_t seed = 0; ///< of the pixel
     bool hasAovs = false;
-    std::uint8_t hasFeatures = 0; ///< for denoising: 0 none, 1 but for the motion, 2 all
 };
 
 struct ShadowTest {
@@ -61,8 +60,6 @@ struct PathTracer::State {
     std::unique_ptr<CameraLanes> cameraLanes = std::make_unique<CameraLanes>();
     std::vector<Path> paths;
     std::vector<float> aovs; ///< [paths x channels]
-    bool denoises = false;       ///< what follows is asked for
-    std::vector<float> features; ///< [paths x kDenoiseFeatures]
     std::vector<Index> active, stillActive;
     std::vector<Ray> rays, nextRays, shadowRays;
     std::vector<Hit> hits;
@@ -123,10 +120,9 @@ struct PathTracer::State {
     void seeEnvironment(Path &path, const Vec3 &radiance, float lightPdf);
     /// Adds the quad and sphere lights on a ray's way; true where a camera ray ends on one.
     bool meetLights(Path &path, const Ray &ray, float farthest);
-    /// Keeps the features of a first hit, where its sample tells them.
-    void tellFeatures(Index index, const Ray &ray, const SurfacePoint &point);
-    /// Those of a hit that is to be shaded among others.
-    void tellFeatures(std::size_t i);
+    /// Tells the film what the pixels of a tile see, where it keeps that and has not been told (denoise_probes.cpp).
+    void probeTile(const Window &tile, const FilmAccess &access, StageTimes &times);
+    class Probes;
     void shade(int event, Index index, const Ray &ray, const Hit &hit, const std::vector<Aov> &wanted, int aovChannels);
     [[nodiscard]] bool waits(int event, std::size_t i, int aovChannels);
     void prefetch(std::size_t i) const;

@@ -1,5 +1,4 @@
 #include "taut/render/aov.h"
-#include "taut/render/denoise_features.h"
 #include "taut/render/path_state.h"
 #include "taut/render/roulette.h"
 
@@ -26,20 +25,6 @@ void PathTracer::State::connectLight(int event, Index index, const SurfacePoint 
     if (hasGroups()) shadowGroups.push_back(groupOfEntry(choice.entry));
 }
 
-void PathTracer::State::tellFeatures(Index index, const Ray &ray, const SurfacePoint &point) {
-    Path &path = paths[index];
-    if (!tellsFeatures(path.sample)) return;
-    const bool moving = writeDenoiseFeatures(scene, point, -ray.direction, path.time, settings.before, &features[index * kDenoiseFeatures]);
-    path.hasFeatures = moving ? 2 : 1;
-}
-
-void PathTracer::State::tellFeatures(std::size_t i) {
-    const Path &path = paths[active[i]];
-    if (!tellsFeatures(path.sample)) return;
-    const float coneWidth = hasCones ? path.cone.widthAt(hits[i].t) : 0.0F;
-    tellFeatures(active[i], rays[i], surfacePointAt(scene, materials, hits[i], -rays[i].direction, path.time, coneWidth));
-}
-
 void PathTracer::State::shade(int event, Index index, const Ray &ray, const Hit &hit, const std::vector<Aov> &wanted, int aovChannels) {
     Path &path = paths[index];
     const float coneWidth = hasCones ? path.cone.widthAt(hit.t) : 0.0F;
@@ -47,7 +32,6 @@ void PathTracer::State::shade(int event, Index index, const Ray &ray, const Hit 
     if (path.scatterPdf == 0) {
         path.alpha = 1;
         path.hasAovs = true;
-        if (denoises) tellFeatures(index, ray, point);
         if (aovChannels > 0)
             writeAovs(scene, point, wanted, &aovs[static_cast<std::size_t>(index) * static_cast<std::size_t>(aovChannels)]);
     }
