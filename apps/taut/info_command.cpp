@@ -4,6 +4,7 @@
 #include "false_colour.h"
 #include "info_report.h"
 #include "json_text.h"
+#include "plan_table.h"
 #include "resources.h"
 #include "scene_arguments.h"
 
@@ -76,18 +77,6 @@ void print(const SceneFile &file) {
     if (!file.leftOut.empty()) fmt::print("  used, but not shown: {}\n", file.leftOut);
 }
 
-/// What was measured on the scene for the plan, and how an error that is asked for is split.
-void printPilots(const ScenePlan &plan) {
-    for (const PilotFinding &f : plan.pilots)
-        fmt::print("  pilot: {}: error {:.2g} +- {:.1g}{}, noise of a sample {:.2g}, {:.3g} rays a sample\n", nameOf(f.value), f.error, f.spread,
-                   f.predicted > 0 ? fmt::format(" (analysis: {:.2g})", f.predicted) : "", f.noise, f.rays);
-    if (plan.events) print(*plan.events);
-    if (!plan.budget) return;
-    const ErrorBudget &b = *plan.budget;
-    fmt::print("budget: error {:.3g}, bias {:.2g}, noise {:.3g}{}\n", b.error, b.bias, b.noise,
-               b.samples > 0 ? fmt::format(", about {:.3g} samples a pixel", b.samples) : "");
-}
-
 void print(const Report &report) {
     const Scene &scene = report.scene;
     const RenderSettings &render = scene.render;
@@ -107,7 +96,7 @@ void print(const Report &report) {
     fmt::print("plan: tolerance {:.3g}, predicted error {:.3g}{}, BVH {}\n", plan.tolerance, plan.predictedError,
                plan.errorInNoise > 0 ? fmt::format(" and {:.2g} that is less than its noise at {} spp", plan.errorInNoise, render.spp) : "",
                bvhOf(report.ready));
-    printPilots(plan);
+    fmt::print("{}{}", planTable(scene, plan), pilotLines(plan));
 }
 
 /// Renders one channel at every frame and writes it in false colours, the range over all frames.

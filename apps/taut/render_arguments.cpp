@@ -221,6 +221,7 @@ void addRenderArguments(CLI::App &command, RenderArguments &arguments) {
     command.add_option("--shard-by", arguments.shardBy, "frames, samples, rows or auto (default: auto)");
     command.add_flag("--check", arguments.check, "Read and check everything, evaluate every frame, render nothing");
     command.add_flag("-q,--quiet", arguments.quiet, "Print errors only");
+    command.add_flag("-v,--verbose", arguments.verbose, "Print the plan first, as a table of time");
     command.add_option("--progress", arguments.progress, "bar, plain, json or openjd (default: bar on a terminal, else plain)");
     command.add_option("--display", arguments.display,
                        "Show the picture on its way in a tev viewer at HOST:PORT (tev's own: 127.0.0.1:14158)");

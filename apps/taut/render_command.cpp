@@ -6,6 +6,7 @@
 #include "interruption.h"
 #include "json_text.h"
 #include "movie.h"
+#include "plan_table.h"
 #include "reached_error.h"
 #include "render_arguments.h"
 
@@ -191,6 +192,7 @@ int render(RenderArguments &arguments) {
     if ((options.seconds || options.noise) && !arguments.model.tolerance) arguments.model.tolerance = kDefaultTolerance;
 
     PlannedScene planned = planFor(loaded, arguments.model);
+    if (arguments.verbose) std::cerr << planTable(loaded, planned.plan) << pilotLines(planned.plan) << std::flush;
     if (planned.plan.budget) options.picture = PictureGoal{static_cast<double>(planned.plan.budget->noise), planned.plan.budget->firstSamples};
     RenderScene ready(std::move(loaded), std::move(planned.plan), render.frames.size() > 1, std::move(planned.surfaces));
     std::optional<TevDisplay> display;

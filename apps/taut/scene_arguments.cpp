@@ -9,6 +9,7 @@
 #include "taut/scene/load_scene.h"
 
 #include <algorithm>
+#include <cmath>
 #include <iostream>
 
 namespace taut::app {
@@ -82,6 +83,8 @@ PlannedScene planFor(const Scene &scene, const ModelArguments &arguments, bool r
     PlanOptions options;
     options.tolerance = arguments.tolerance;
     options.error = arguments.error;
+    for (const auto &[option, value] : {std::pair("--error", arguments.error), std::pair("--tolerance", arguments.tolerance)})
+        if (value && !std::isfinite(*value)) failInput({option}, formatNumber(static_cast<double>(*value)), "a relative error such as 0.02");
     if (arguments.error && arguments.tolerance) failInput({"--error"}, "--tolerance beside it, which is a part of it", "one of both");
     options.full = arguments.model == "full";
     options.report = report;
