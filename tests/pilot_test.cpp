@@ -183,3 +183,33 @@ TEST_CASE("pilots: an error is split into bias and noise", "[pilot]") {
         CHECK(plan.budget->bias >= 0);
     }
 }
+
+TEST_CASE("pilots: frames of one plan do not jump", "[pilot]") {
+    constexpr float kError = 0.05F;
+    Scene scene = cage(0.3F, 5, 96);
+    scene.objects[0].deformers[0].amount = chart::ramp(0.6, 24);
+    scene.render.frames.clear();
+    for (int frame = 1; frame <= 24; ++frame) scene.render.frames.push_back(frame);
+    PlanOptions options;
+    options.error = kError;
+    const ScenePlan plan = planByPilots(scene, options).plan;
+    CHECK(!sameModels(plan, fullPlan(scene))); // it saves something
+    std::vector<float> plannedBefore;
+    std::vector<float> fullBefore;
+    for (const int frame : {10, 11, 12, 13}) { // the random numbers are the same: noise cancels
+        const std::vector<float> planned = renderImage(scene, plan, frame, 32, 1).values;
+        const std::vector<float> full = renderImage(scene, fullPlan(scene), frame, 32, 1).values;
+        if (!fullBefore.empty()) {
+            double jump = 0;
+            double square = 0;
+            for (std::size_t i = 0; i < full.size(); ++i) {
+                jump += sqr(static_cast<double>(planned[i] - plannedBefore[i]) - static_cast<double>(full[i] - fullBefore[i]));
+                square += sqr(static_cast<double>(full[i]));
+            }
+            INFO("frame " << frame);
+            CHECK(std::sqrt(jump / square) < static_cast<double>(kError));
+        }
+        plannedBefore = planned;
+        fullBefore = full;
+    }
+}

@@ -26,6 +26,9 @@ constexpr float kGreatestRatio = 4;
 constexpr double kTypicalExponent = 1.25;
 /// Relative RMS noise of one sample a pixel, as the bench's scenes have.
 constexpr double kTypicalNoise = 0.5;
+/// Shares of an error that models may have, and what they may turn out to have together before less is saved.
+constexpr std::array<float, 5> kShares{0.05F, 0.15F, 0.3F, 0.5F, 0.7F};
+constexpr double kGreatestBias = 0.75;
 /// Share of an error that models may have where nothing is measured.
 constexpr float kShareByBounds = 0.3F;
 /// Share of the asked error that is aimed at; the rest is for what is not known of the noise before the end.
@@ -68,7 +71,13 @@ class PilotedPlan {
         const bool measures = wanted && !options_.full && affords();
         if (measures) measureAll();
         ScenePlan plan = options_.error && !options_.full ? cheapestWithin(*options_.error) : withEvents(planner_.decide(scales_, options_.tolerance));
-        if (options_.error && measures) verify(plan);
+        if (options_.error && measures) {
+            verify(plan);
+            if (static_cast<double>(plan.predictedError) > kGreatestBias * static_cast<double>(*options_.error)) {
+                plan = withEvents(planner_.decide(scales_, kShares.front() * *options_.error));
+                verify(plan);
+            }
+        }
         if (options_.error) split(plan);
         plan.pilots = findings_;
         return planner_.finish(std::move(plan));
@@ -275,7 +284,7 @@ class PilotedPlan {
     [[nodiscard]] ScenePlan cheapestWithin(float error) const {
         if (findings_.empty()) return planner_.decide(scales_, kShareByBounds * error);
         std::optional<ScenePlan> best;
-        for (const float share : {0.05F, 0.15F, 0.3F, 0.5F, 0.7F}) {
+        for (const float share : kShares) {
             ScenePlan plan = withEvents(planner_.decide(scales_, share * error));
             if (!best || secondsOf(plan, error) < 0.98 * secondsOf(*best, error)) best = std::move(plan);
         }

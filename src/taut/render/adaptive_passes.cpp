@@ -56,7 +56,8 @@ void AdaptivePasses::cutTile(const PictureNoise &picture, const std::vector<Inde
     const Window first = picture.windowOf(blocks.front());
     const Window last = picture.windowOf(blocks.back());
     const Window whole{first.x0, first.y0, last.x1, last.y1};
-    if (!allAlike || whole.width() * whole.height() != area) return;
+    const bool within = std::all_of(blocks.begin(), blocks.end(), [&](Index block) { return whole.contains(picture.windowOf(block)); });
+    if (!allAlike || !within || whole.width() * whole.height() != area) return;
     pieces_.resize(before);
     pieces_.push_back({whole, blocks, picture.lastOf(blocks.front())});
 }

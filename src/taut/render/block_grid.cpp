@@ -45,13 +45,6 @@ std::optional<Index> BlockGrid::at(int column, int row) const {
     return static_cast<Index>(row) * static_cast<Index>(columns_) + static_cast<Index>(column);
 }
 
-std::optional<Index> BlockGrid::neighbour(Index block, int colour) const {
-    for (int dy = -1; dy <= 1; ++dy)
-        for (int dx = -1; dx <= 1; ++dx)
-            if (colourAt(columnOf(block) + dx, rowOf(block) + dy) == colour) return at(columnOf(block) + dx, rowOf(block) + dy);
-    return std::nullopt;
-}
-
 std::array<std::optional<Index>, 2> BlockGrid::nextOnRing(Index block) const {
     const int column = columnOf(block);
     const int row = rowOf(block);

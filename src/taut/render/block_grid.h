@@ -21,8 +21,8 @@ class BlockGrid {
     [[nodiscard]] std::size_t size() const { return static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_); }
     [[nodiscard]] Window windowOf(Index block) const;
     [[nodiscard]] int colourOf(Index block) const { return colourAt(columnOf(block), rowOf(block)); }
-    /// The one block of a colour among those around a block; none where it is outside of the window.
-    [[nodiscard]] std::optional<Index> neighbour(Index block, int colour) const;
+    /// A block at a distance in blocks; none where it is outside of the window.
+    [[nodiscard]] std::optional<Index> beside(Index block, int dx, int dy) const { return at(columnOf(block) + dx, rowOf(block) + dy); }
     /// The nearest blocks of the next colour, on either side.
     [[nodiscard]] std::array<std::optional<Index>, 2> nextOnRing(Index block) const;
 

@@ -14,6 +14,9 @@ namespace {
 constexpr int kBisections = 40;
 /// A block whose guides saw no noise may have some all the same: it is taken for this share of the mean.
 constexpr double kLeastShare = 0.01;
+/// Guides are looked for so many blocks around. Their standard deviations are averaged, with weights that halve from block to block: one
+/// with rare light counts for less than by its variance.
+constexpr int kGuideDistance = 4;
 /// Samples that differ from block to block are worth their while where they save this share of the rays.
 constexpr double kWorthwhile = 0.1;
 /// The first decision goes this part of the way, where that is twice as far as the first pass at least.
@@ -22,8 +25,15 @@ constexpr int kPartOfTheWay = 4;
 constexpr std::size_t kBlocksAControl = 80;
 constexpr std::size_t kLeastControls = 24;
 constexpr std::size_t kMostControls = 40;
-/// Noise that is known so badly is not waited for to be known better.
-constexpr double kGreatestMargin = 0.15;
+/// What is known of the factor beforehand: points that stratify each other have p from 1 to 2, so it lies between 1/3 and 1; these are its
+/// mean and standard deviation over the scenes of `taut chart plan`. One control with rare light cannot make it ten.
+constexpr double kUsualFactor = 0.7;
+constexpr double kUsualSpread = 0.25;
+constexpr double kLeastFactor = 0.2, kGreatestFactor = 1.5;
+/// Chance of a block without noise by its halves to be a control, over that of an average one.
+constexpr double kLeastChance = 0.1;
+/// Share of what is not known of the noise that is kept in reserve.
+constexpr double kMargin = 0.5;
 
 /// A number of samples n, and n^-p.
 struct Step {
@@ -75,14 +85,26 @@ double PictureNoise::squares() const {
 }
 
 /// What a block's chance to be a control grows with. One without noise by its halves has a small one all the same.
-double PictureNoise::drawWeight(Index block) const {
-    return weightOf(block) * errors_[block].variance;
+double PictureNoise::drawWeight(Index block, double mean) const {
+    return weightOf(block) * (errors_[block].variance + kLeastChance * mean);
+}
+
+/// Over pixels, by halves.
+double PictureNoise::meanVariance() const {
+    double sum = 0;
+    double pixels = 0;
+    for (Index i = 0; i < errors_.size(); ++i) {
+        sum += weightOf(i) * errors_[i].variance;
+        pixels += weightOf(i);
+    }
+    return sum / pixels;
 }
 
 std::vector<Index> PictureNoise::controls() const {
     const std::size_t count = std::max(errors_.size() / kBlocksAControl, std::min(kLeastControls, errors_.size() / kMostControls));
+    const double average = meanVariance();
     double all = 0;
-    for (Index i = 0; i < errors_.size(); ++i) all += drawWeight(i);
+    for (Index i = 0; i < errors_.size(); ++i) all += drawWeight(i, average);
     std::vector<Index> drawn;
     if (!(all > 0)) return drawn;
     // Systematic: at equal distances along the sum, from one random place.
@@ -90,7 +112,7 @@ std::vector<Index> PictureNoise::controls() const {
     double next = step * static_cast<double>(hash(seed_, static_cast<std::uint32_t>(decisions_))) * 0x1p-32;
     double sum = 0;
     for (Index i = 0; i < errors_.size(); ++i) {
-        sum += drawWeight(i);
+        sum += drawWeight(i, average);
         for (; next < sum && drawn.size() < count; next += step) drawn.push_back(i);
     }
     return drawn;
@@ -98,18 +120,30 @@ std::vector<Index> PictureNoise::controls() const {
 
 /// The factor, and what it says of the picture as it stands.
 void PictureNoise::measure(const std::vector<Index> &controls, const std::vector<double> &variances) {
+    const double average = meanVariance();
     double told = 0;
-    for (Index i = 0; i < errors_.size(); ++i) told += drawWeight(i);
+    double drawn = 0;
+    for (Index i = 0; i < errors_.size(); ++i) {
+        told += weightOf(i) * errors_[i].variance;
+        drawn += drawWeight(i, average);
+    }
     const auto count = static_cast<double>(controls.size());
     double mean = 0;
     double squared = 0;
     for (std::size_t k = 0; k < controls.size(); ++k) {
-        const double ratio = variances[k] / errors_[controls[k]].variance;
+        const double ratio = weightOf(controls[k]) * variances[k] / drawWeight(controls[k], average) * drawn / told;
         mean += ratio / count;
         squared += ratio * ratio / count;
     }
-    if (count > 0) factor_ = std::max(mean, 1e-3);
-    const double spread = count > 1 ? std::sqrt(std::max(0.0, squared - mean * mean) / (count - 1)) : 0; // of the factor
+    // Of the factor: what was measured and what is usual, each by how well it is known.
+    double spread = kUsualSpread;
+    factor_ = kUsualFactor;
+    if (count > 1) {
+        const double measured = std::max(sqr(1e-3 * mean), std::max(0.0, squared - mean * mean) / (count - 1)); // its variance
+        const double weight = sqr(kUsualSpread) / (sqr(kUsualSpread) + measured);
+        factor_ = std::clamp(weight * mean + (1 - weight) * kUsualFactor, kLeastFactor, kGreatestFactor);
+        spread = std::sqrt(weight * measured);
+    }
     const double all = squares();
     const double error = all > 0 ? std::sqrt(factor_ * told / all) : 0;
     reached_ = {error, 0.5 * error * spread / factor_, static_cast<int>(controls.size()), exponentOf(factor_)};
@@ -117,7 +151,7 @@ void PictureNoise::measure(const std::vector<Index> &controls, const std::vector
 
 /// The level, less what is not known of the noise: whoever stops when an estimate is low enough stops at one that is too low.
 double PictureNoise::aim() const {
-    return level_ / (1 + (reached_.error > 0 ? std::min(reached_.spread / reached_.error, kGreatestMargin) : 0));
+    return level_ / (1 + (reached_.error > 0 ? kMargin * reached_.spread / reached_.error : 0));
 }
 
 std::vector<PictureNoise::Guide> PictureNoise::guidesOf(int reach) const {
@@ -130,17 +164,25 @@ std::vector<PictureNoise::Guide> PictureNoise::guidesOf(int reach) const {
     }
     all = {all.variance / pixels, all.rays / pixels};
     std::vector<Guide> guides(errors_.size());
+    std::vector<double> deviations(errors_.size());
+    for (Index i = 0; i < errors_.size(); ++i) deviations[i] = std::sqrt(varianceOf(i));
     for (Index i = 0; i < errors_.size(); ++i) {
-        Guide &guide = guides[i];
-        double count = 0;
-        for (int step = 1; step <= reach; ++step) {
-            const std::optional<Index> other = grid_.neighbour(i, (grid_.colourOf(i) + step) % BlockGrid::kColours);
-            if (!other) continue;
-            guide.variance += varianceOf(*other);
-            guide.rays += errors_[*other].rays;
-            ++count;
-        }
-        guide = count > 0 ? Guide{std::max(guide.variance / count, kLeastShare * all.variance), guide.rays / count} : all;
+        const int colour = grid_.colourOf(i);
+        double deviation = 0;
+        double rays = 0;
+        double weights = 0;
+        for (int dy = -kGuideDistance; dy <= kGuideDistance; ++dy)
+            for (int dx = -kGuideDistance; dx <= kGuideDistance; ++dx) {
+                const std::optional<Index> other = grid_.beside(i, dx, dy);
+                if (!other) continue;
+                const int steps = (grid_.colourOf(*other) - colour + BlockGrid::kColours) % BlockGrid::kColours;
+                if (steps == 0 || steps > reach) continue;
+                const double weight = std::exp2(1 - std::max(std::abs(dx), std::abs(dy)));
+                deviation += weight * deviations[*other];
+                rays += weight * errors_[*other].rays;
+                weights += weight;
+            }
+        guides[i] = weights > 0 ? Guide{std::max(sqr(deviation / weights), kLeastShare * all.variance), rays / weights} : all;
     }
     return guides;
 }
@@ -258,7 +300,7 @@ void PictureNoise::load(std::istream &in) {
         throw InputError("saved frame: found blocks of another frame, expected those of this one");
     std::array<double, 5> whole{};
     readNumbers(whole);
-    factor_ = whole[0];
+    factor_ = std::max(whole[0], kLeastFactor);
     reached_ = {whole[1], whole[2], static_cast<int>(std::min(whole[3], 1e9)), whole[4]};
     for (Index i = 0; i < errors_.size(); ++i) {
         std::array<double, 5> values{};

@@ -10,7 +10,7 @@
 /// are rendered a second time with other random numbers (controls), drawn in proportion to what their halves tell (Hansen & Hurwitz
 /// 1943). Half the squared difference from the picture is an unbiased estimate of its variance.
 ///
-/// As in adaptive.h no block has a say in its own number of samples. After a pass a block looks at its neighbours of the colours that
+/// As in adaptive.h no block has a say in its own number of samples. After a pass a block looks at those around it of the colours that
 /// follow its own, `kReach` of them; what those have is the doing of their followers. The steps together stay below the nine colours
 /// of the ring, so a block's number of samples does not depend on its own samples, but for lambda and the factor, two numbers of the whole
 /// picture. All follows from sums and ray counts: the same seed gives the same bits for any number of threads.
@@ -53,7 +53,7 @@ struct PictureNoiseReached {
 class PictureNoise {
   public:
     /// Steps on the ring of each decision: the first part of the way to the numbers that seem right, then to them, then what is missing still.
-    static constexpr std::array<int, 3> kReach{3, 3, 2};
+    static constexpr std::array<int, 4> kReach{2, 2, 2, 2};
 
     /// Samples the pixels of `window` until the noise of the picture is `level`, or `most` samples a pixel are reached. `first`: samples of
     /// the first pass, at least 2. `seed`: of the drawing of controls.
@@ -92,7 +92,8 @@ class PictureNoise {
     };
     [[nodiscard]] std::vector<Guide> guidesOf(int reach) const;
     [[nodiscard]] Allocation cheapest(const std::vector<Guide> &choosing) const;
-    [[nodiscard]] double drawWeight(Index block) const;
+    [[nodiscard]] double drawWeight(Index block, double mean) const;
+    [[nodiscard]] double meanVariance() const;
     void measure(const std::vector<Index> &controls, const std::vector<double> &variances);
     /// Pixels of a block: what its means weigh.
     [[nodiscard]] double weightOf(Index block) const;
