@@ -115,14 +115,14 @@ TEST_CASE("adaptive: each colour's guide has the next colour, on a ring of nine"
     std::set<int> colours;
     for (int row = 0; row < 6; ++row)
         for (int column = 0; column < 6; ++column) {
-            const int colour = AdaptiveBlocks::colourAt(column, row);
-            const auto [dx, dy] = AdaptiveBlocks::towardsGuide(column, row);
+            const int colour = BlockGrid::colourAt(column, row);
+            const auto [dx, dy] = BlockGrid::towardsGuide(column, row);
             colours.insert(colour);
             CHECK(std::abs(dx) + std::abs(dy) == 1);
             for (const int step : {1, -2})
-                CHECK(AdaptiveBlocks::colourAt(column + step * dx, row + step * dy) == (colour + 1) % AdaptiveBlocks::kColours);
+                CHECK(BlockGrid::colourAt(column + step * dx, row + step * dy) == (colour + 1) % BlockGrid::kColours);
         }
-    CHECK(colours.size() == AdaptiveBlocks::kColours);
+    CHECK(colours.size() == BlockGrid::kColours);
 }
 
 TEST_CASE("adaptive: the noise of a block is the variance of its pixels' means", "[adaptive]") {

@@ -100,7 +100,11 @@ TEST_CASE("taut info prints the questions of a plan with what they lose and cost
           "    stretch: uniform (predicted error 0, 9 ns a hit); next cheaper: constant (predicted error 1.1, 0 ns a hit)\n"
           "    gradient: analytic (predicted error 0, 128 ns a vertex)\n"
           "    bvh: refit (predicted error 0, 0.322 ms a frame, slower rays included)\n"
-          "plan: tolerance 0.01, predicted error 0, BVH refit, rebuilt where its rays would pay for it\n");
+          "plan: tolerance 0.01, predicted error 0, BVH refit, rebuilt where its rays would pay for it\n"
+          "  of               question       taken               error      time     saves  next step\n"
+          "  plate            stretch        uniform                 0 4.15e-05 s 3.23e-05 s  -\n"
+          "  plate            bvh            refit                   0 0.000965 s 0.000584 s  -\n"
+          "  brushed          multiscatter   walk                    0 0.00538 s         -  -\n");
 }
 
 TEST_CASE("The renderer takes over the surfaces that a plan has built, with the same bits", "[plan]") {

@@ -11,8 +11,8 @@ using namespace taut::test;
 namespace {
 
 /// A folder may include itself and the folders before it.
-constexpr std::array<std::string_view, 11> kOrder{"base",    "images", "microsurface", "mesh", "deform", "bsdf",
-                                                  "formats", "scene",  "export",       "plan", "render"};
+constexpr std::array<std::string_view, 12> kOrder{"base",    "images", "microsurface", "mesh", "deform", "bsdf",
+                                                  "formats", "scene",  "export",       "plan", "render", "pilot"};
 
 /// What can be lifted out of the project: these folders include nothing else.
 bool isLifted(std::string_view from) {

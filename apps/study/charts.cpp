@@ -11,7 +11,7 @@ std::span<const ChartEntry> allCharts() {
         {"subdivision", "levels of subdivision", measureSubdivision},
         {"multiscatter", "light that meets more than one facet: energy, directions, cost", measureMultiscatter},
         {"bvh", "refitting and rebuilding the BVH of a deforming mesh", measureBvh},
-        {"plan", "what the plan's tolerance saves", measurePlan},
+        {"plan", "what an error that is asked for costs, and whether it is kept", measurePlan},
         {"render", "the whole renderer by samples, models and samplers; Cycles where Blender is", measureRender},
         {"microgeometry", "a deformed heightfield of real facets beside M", measureMicrogeometry},
         {"mesostructure", "normal maps that lean, bend, and are seen from afar, beside a million real facets", measureMesostructure},

@@ -46,6 +46,7 @@ std::vector<std::string> renderWords(const RenderArguments &a) {
     for (const std::string &aov : a.aovs) add("--aov", aov);
     if (a.cryptoRanks > 0) add("--crypto-ranks", std::to_string(a.cryptoRanks));
     if (a.model.tolerance) add("--tolerance", fmt::format("{}", *a.model.tolerance));
+    if (a.model.error) add("--error", fmt::format("{}", *a.model.error));
     add("--model", a.model.model);
     const std::vector<std::string> image = imageWords(a.image);
     words.insert(words.end(), image.begin(), image.end());

@@ -47,6 +47,8 @@ class RunningFrame {
     [[nodiscard]] Film filmSoFar() const { return frame_.film(); }
     [[nodiscard]] double share() const { return frame_.share(); }
     [[nodiscard]] double seconds() const;
+    /// What adaptive sampling to the noise of the picture knows about it.
+    [[nodiscard]] std::optional<PictureNoiseReached> reached() const { return frame_.reached(); }
     [[nodiscard]] StageTimes times() const;
     [[nodiscard]] RayCounts counts() const;
 

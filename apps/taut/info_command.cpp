@@ -4,6 +4,7 @@
 #include "false_colour.h"
 #include "info_report.h"
 #include "json_text.h"
+#include "plan_table.h"
 #include "resources.h"
 #include "scene_arguments.h"
 
@@ -95,6 +96,7 @@ void print(const Report &report) {
     fmt::print("plan: tolerance {:.3g}, predicted error {:.3g}{}, BVH {}\n", plan.tolerance, plan.predictedError,
                plan.errorInNoise > 0 ? fmt::format(" and {:.2g} that is less than its noise at {} spp", plan.errorInNoise, render.spp) : "",
                bvhOf(report.ready));
+    fmt::print("{}{}", planTable(scene, plan), pilotLines(plan));
 }
 
 /// Renders one channel at every frame and writes it in false colours, the range over all frames.

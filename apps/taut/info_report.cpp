@@ -113,6 +113,16 @@ nlohmann::json toJson(const Report &report) {
                           {"objects", nlohmann::json::array()}};
     if (const std::optional<Ground> ground = groundOf(scene))
         result["ground"] = {{"height", ground->height}, {"centre", {ground->centre.x, ground->centre.y}}, {"radius", ground->radius}};
+    for (const PilotFinding &f : plan.pilots)
+        result["pilots"].push_back({{"choice", nameOf(f.value)},
+                                    {"error", f.error},
+                                    {"spread", f.spread},
+                                    {"analysis", f.predicted},
+                                    {"noise_of_a_sample", f.noise},
+                                    {"rays_a_sample", f.rays}});
+    if (plan.events) result["events"] = toJson(*plan.events);
+    if (plan.budget)
+        result["budget"] = {{"error", plan.budget->error}, {"bias", plan.budget->bias}, {"noise", plan.budget->noise}, {"samples", plan.budget->samples}};
     for (const SceneFile &file : scene.files) result["files"].push_back(toJson(file));
     for (std::size_t i = 0; i < scene.materials.size(); ++i) {
         const MultiscatterPlan &planned = plan.materials[i];

@@ -53,7 +53,7 @@ void Progress::update(double shareOfFrame) {
     std::fflush(stderr);
 }
 
-void Progress::finishFrame(int frame, const std::string &output, double seconds) {
+void Progress::finishFrame(int frame, const std::string &output, double seconds, const std::string &reached) {
     ++done_;
     switch (style_) {
     case ProgressStyle::None: break;
@@ -66,7 +66,9 @@ void Progress::finishFrame(int frame, const std::string &output, double seconds)
                   << std::endl;
         break;
     case ProgressStyle::Bar: fmt::print(stderr, "\r{:78}\r", ""); [[fallthrough]];
-    case ProgressStyle::Plain: fmt::print(stderr, "frame {} ({}/{}) {:.2f} s -> {}\n", frame, done_, frames_, seconds, output); break;
+    case ProgressStyle::Plain:
+        fmt::print(stderr, "frame {} ({}/{}) {:.2f} s{}{} -> {}\n", frame, done_, frames_, seconds, reached.empty() ? "" : ", ", reached, output);
+        break;
     }
 }
 
@@ -79,7 +81,8 @@ void Progress::tell(const char *event, double shareOfFrame, const std::string &p
         break;
     case ProgressStyle::OpenJobDescription: std::cout << fmt::format("openjd_status: frame {} {}", frame_, event) << std::endl; break;
     case ProgressStyle::Bar: fmt::print(stderr, "\r{:78}\r", ""); [[fallthrough]];
-    case ProgressStyle::Plain: fmt::print(stderr, "frame {}: {} at {:.0f} %: {}\n", frame_, event, 100 * shareOfFrame, path); break;
+    case ProgressStyle::Plain:
+        fmt::print(stderr, "frame {}: {} at {:.0f} %: {}\n", frame_, event, 100 * shareOfFrame, path); break;
     }
 }
 

@@ -15,7 +15,7 @@ class Progress {
     void startFrame(int frame);
     [[nodiscard]] int frame() const { return frame_; } ///< that is under way
     void update(double shareOfFrame);
-    void finishFrame(int frame, const std::string &output, double seconds);
+    void finishFrame(int frame, const std::string &output, double seconds, const std::string &reached = {});
     /// What happened to the frame in between: "resumed" from a file, "checkpoint" in one, "skipped" for one.
     void tell(const char *event, double shareOfFrame, const std::string &path);
     /// The last line: why, and the checkpoint that is left; none where the frame was done. Said whatever the style.

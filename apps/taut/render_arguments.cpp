@@ -103,9 +103,15 @@ FrameOptions optionsOf(const RenderArguments &arguments, const RenderSettings &r
         options.noise = parseNoise(*arguments.noise);
         if (arguments.spp == 0) options.spp = std::max(options.spp, kMostByNoise);
     }
+    if (arguments.model.error) {
+        if (arguments.noise || !arguments.time.empty())
+            failInput({"--error"}, std::string(arguments.noise ? "--noise" : "--time") + " beside it", "one goal for the samples");
+        options.picture = PictureGoal{static_cast<double>(*arguments.model.error), 4}; // until the plan has split it
+        if (arguments.spp == 0) options.spp = 1 << 16;
+    }
     if (!arguments.crop.empty()) options.window = parseCrop(arguments.crop, render);
     if (arguments.denoise || arguments.denoiseFrames)
-        options.denoiseBlock = denoiseBlockOf(options.spp, !options.seconds && !options.noise);
+        options.denoiseBlock = denoiseBlockOf(options.spp, !options.seconds && !options.noise && !options.picture);
     return options;
 }
 
@@ -141,7 +147,7 @@ std::optional<Shard> shardOf(const RenderArguments &arguments, const FrameOption
     if (!read || static_cast<std::size_t>(used) != arguments.shard.size() || shard.index < 1 || shard.index > shard.count ||
         shard.count > kMostShards)
         failInput({"--shard"}, quoted(arguments.shard), fmt::format("i/n with 1 <= i <= n <= {}, such as 3/8", kMostShards));
-    const bool decidesForItself = options.noise || options.seconds; // how many samples a frame gets
+    const bool decidesForItself = options.noise || options.picture || options.seconds; // how many samples a frame gets
     if (arguments.shardBy == "frames") return shard;
     if (arguments.shardBy == "samples" || arguments.shardBy == "rows") {
         shard.by = arguments.shardBy == "samples" ? ShardBy::Samples : ShardBy::Rows;
@@ -153,7 +159,7 @@ std::optional<Shard> shardOf(const RenderArguments &arguments, const FrameOption
         failUnknownName({"--shard-by"}, arguments.shardBy, kWays);
     }
     if (shard.by != ShardBy::Frames && shard.count > 1 && decidesForItself)
-        failInput({"--shard"}, "--noise or --time, which decide about all samples of a frame together", "--spp, or --shard-by frames");
+        failInput({"--shard"}, "--error, --noise or --time, which decide about all samples of a frame together", "--spp, or --shard-by frames");
     return shard;
 }
 
@@ -215,6 +221,7 @@ void addRenderArguments(CLI::App &command, RenderArguments &arguments) {
     command.add_option("--shard-by", arguments.shardBy, "frames, samples, rows or auto (default: auto)");
     command.add_flag("--check", arguments.check, "Read and check everything, evaluate every frame, render nothing");
     command.add_flag("-q,--quiet", arguments.quiet, "Print errors only");
+    command.add_flag("-v,--verbose", arguments.verbose, "Print the plan first, as a table of time");
     command.add_option("--progress", arguments.progress, "bar, plain, json or openjd (default: bar on a terminal, else plain)");
     command.add_option("--display", arguments.display,
                        "Show the picture on its way in a tev viewer at HOST:PORT (tev's own: 127.0.0.1:14158)");

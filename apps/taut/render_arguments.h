@@ -41,6 +41,7 @@ struct RenderArguments {
     std::string shard, shardBy;
     bool check = false;
     bool quiet = false;
+    bool verbose = false; ///< prints the plan first
     std::string progress;
     bool denoise = false, denoiseFrames = false; ///< the second over frames as well
     std::string display; ///< HOST:PORT of a viewer

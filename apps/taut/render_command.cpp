@@ -6,6 +6,8 @@
 #include "interruption.h"
 #include "json_text.h"
 #include "movie.h"
+#include "plan_table.h"
+#include "reached_error.h"
 #include "render_arguments.h"
 
 #include "study/measures/memory.h"
@@ -117,6 +119,7 @@ class FrameNames {
         head.facts.emplace_back("-D", overrides.empty() ? "none" : overrides);
         if (scene_.unsaid.scene) head.facts.emplace_back("ground", arguments_.noGround ? "none" : "under it");
         head.facts.emplace_back("model", arguments_.model.model.empty() ? "auto" : arguments_.model.model);
+        head.facts.emplace_back("error", arguments_.model.error ? formatNumber(*arguments_.model.error) : "any");
         head.facts.emplace_back("tolerance", arguments_.model.tolerance ? formatNumber(*arguments_.model.tolerance) : "by default");
         if (arguments_.denoiseFrames) head.facts.emplace_back("denoising over", "frames");
         head.facts.insert(head.facts.end(), files_.begin(), files_.end());
@@ -189,6 +192,8 @@ int render(RenderArguments &arguments) {
     if ((options.seconds || options.noise) && !arguments.model.tolerance) arguments.model.tolerance = kDefaultTolerance;
 
     PlannedScene planned = planFor(loaded, arguments.model);
+    if (arguments.verbose) std::cerr << planTable(loaded, planned.plan) << pilotLines(planned.plan) << std::flush;
+    if (planned.plan.budget) options.picture = PictureGoal{static_cast<double>(planned.plan.budget->noise), planned.plan.budget->firstSamples};
     RenderScene ready(std::move(loaded), std::move(planned.plan), render.frames.size() > 1, std::move(planned.surfaces));
     std::optional<TevDisplay> display;
     if (!arguments.display.empty() && !arguments.check) display.emplace(arguments.display);
@@ -226,7 +231,9 @@ int render(RenderArguments &arguments) {
             else
                 writeImages(names.label(frame), finished.film(), results, denoiser ? &*denoiser : nullptr);
             statistics["frames"].push_back(toJson(frame, finished, times));
-            progress.finishFrame(frame, results.front(), statistics["frames"].back()["seconds"]);
+            const std::optional<ReachedError> reached = reachedError(ready.plan(), finished.reached());
+            if (reached) statistics["frames"].back()["error"] = toJson(*reached);
+            progress.finishFrame(frame, results.front(), statistics["frames"].back()["seconds"], reached ? textOf(*reached) : "");
             if (const std::uint64_t count = finished.counts().notFinite; count > 0)
                 warn(arguments, fmt::format("frame {}: {} samples were not finite and were left out", frame, count));
         });

@@ -26,6 +26,7 @@ double sampleSeconds(const RenderScene &scene, FrameOptions options) {
     const Window w = options.window;
     options.spp = kSamples;
     options.noise.reset();
+    options.picture.reset();
     options.seconds.reset();
     double seconds = 0;
     std::uint64_t samples = 0;

@@ -5,9 +5,11 @@
 #include "taut/base/budget.h"
 #include "taut/base/frame_set.h"
 #include "taut/formats/gltf.h"
+#include "taut/pilot/plan_by_pilots.h"
 #include "taut/scene/load_scene.h"
 
 #include <algorithm>
+#include <cmath>
 #include <iostream>
 
 namespace taut::app {
@@ -68,6 +70,11 @@ void addModelArguments(CLI::App &command, ModelArguments &arguments) {
             "Relative RMS error that the plan's savings may have together, whatever the noise (default: 0.01, and multiple scattering "
             "only where it is more than its noise at the scene's samples a pixel)")
         ->check(CLI::Range(1e-6, 1.0));
+    command
+        .add_option("--error", arguments.error,
+                    "Relative RMS error of the picture, bias and noise together: 0.02. The plan splits it, and samples go where they are needed; "
+                    "--spp is the upper bound (default: 65536)")
+        ->check(CLI::Range(1e-4, 0.5));
     command.add_option("--model", arguments.model, "auto: the cheapest model within the tolerance; full: every saving off");
 }
 
@@ -75,10 +82,14 @@ PlannedScene planFor(const Scene &scene, const ModelArguments &arguments, bool r
     static constexpr std::string_view kModels[] = {"auto", "full"};
     PlanOptions options;
     options.tolerance = arguments.tolerance;
+    options.error = arguments.error;
+    for (const auto &[option, value] : {std::pair("--error", arguments.error), std::pair("--tolerance", arguments.tolerance)})
+        if (value && !std::isfinite(*value)) failInput({option}, formatNumber(static_cast<double>(*value)), "a relative error such as 0.02");
+    if (arguments.error && arguments.tolerance) failInput({"--error"}, "--tolerance beside it, which is a part of it", "one of both");
     options.full = arguments.model == "full";
     options.report = report;
     if (!options.full && !arguments.model.empty() && arguments.model != "auto") failUnknownName({"--model"}, arguments.model, kModels);
-    return planScene(scene, options);
+    return planByPilots(scene, options);
 }
 
 std::shared_ptr<tbb::global_control> limitThreads(int threads) {

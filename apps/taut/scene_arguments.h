@@ -34,6 +34,7 @@ Scene loadScene(const SceneArguments &arguments, bool quiet);
 /// --tolerance and --model: how much the plan may save.
 struct ModelArguments {
     std::optional<float> tolerance; ///< none: the plan's own
+    std::optional<float> error;     ///< of the picture, bias and noise together
     std::string model;              ///< "auto" or "full"
 };
 void addModelArguments(CLI::App &command, ModelArguments &arguments);

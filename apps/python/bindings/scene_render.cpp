@@ -5,6 +5,7 @@
 #include "taut/base/file_bytes.h"
 #include "taut/base/frame_set.h"
 #include "taut/export/gloss_export.h"
+#include "taut/pilot/plan_by_pilots.h"
 
 #include <cmath>
 #include <condition_variable>
@@ -70,7 +71,7 @@ RenderScene &PythonScene::ready(bool planned) {
     // A function of Python may throw on the way, and the scene must outlive that: it is taken over as a copy.
     Scene copy = scene();
     const bool animated = copy.render.frames.size() > 1 || std::any_of(copy.objects.begin(), copy.objects.end(), moves);
-    ScenePlan plan = planned ? planScene(copy, planOptions_).plan : defaultPlan(copy);
+    ScenePlan plan = planned ? planByPilots(copy, planOptions_).plan : defaultPlan(copy);
     ready_ = std::make_shared<RenderScene>(std::move(copy), std::move(plan), animated);
     planned_ = planned;
     loaded_ = {};
@@ -94,7 +95,7 @@ std::string PythonScene::plan() {
     PlanOptions options = planOptions_;
     options.report = true;
     Scene copy = scene();
-    PlannedScene planned = planScene(copy, options);
+    PlannedScene planned = planByPilots(copy, options);
     if (!planned_) planned.plan = defaultPlan(copy);
     const bool animated = copy.render.frames.size() > 1;
     std::vector<ObjectSurface> surfaces; // those of the plan, where it is the plan's model that is told of

@@ -1,207 +1,231 @@
-/// taut chart plan: what the plan's tolerance saves, and whether it is kept.
+/// taut chart plan: what an error that is asked for costs, and whether it is kept.
 
 #include "study/charts.h"
 #include "study/measures/image_error.h"
 #include "study/measures/render_image.h"
-#include "study/measures/timing.h"
-#include "study/scenes/plan_scenes.h"
+#include "study/scenes/error_scenes.h"
 #include "study/text.h"
 
-#include "taut/base/stopwatch.h"
+#include "taut/pilot/plan_by_pilots.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
+#include <ctime>
 #include <optional>
 
 namespace taut::chart {
 
 namespace {
 
-/// The last: none is given.
-constexpr std::array<std::optional<float>, 6> kTolerances{0.1F, 0.03F, kDefaultTolerance, 0.003F, 0.001F, std::nullopt};
-constexpr std::size_t kCount = kTolerances.size();
-constexpr int kSize = 24;
-constexpr int kTimedSpp = 16;
-constexpr int kErrorSpp = 64;
-constexpr std::uint32_t kErrorSeeds = 4;
+constexpr std::array<float, 3> kErrors{0.1F, 0.03F, 0.01F};
+constexpr int kMost = 1 << 15; // samples a pixel
+constexpr int kSeeds = 3;      // errors of few samples are averaged over
 
-/// What one plan of a scene costs and loses.
-struct Run {
-    ScenePlan plan;
-    Measured seconds;    ///< three frames
-    double variance = 0; ///< of an image at kTimedSpp samples, relative
-    Measured error;      ///< RMS from the full model, relative, without what is noise
-};
-
-/// One scene under the plan of every tolerance and in full.
-struct Outcome {
-    std::string name;
-    std::vector<Run> runs; ///< different ones; the full model is the last
-    std::array<std::size_t, kCount> runOf{};
-    std::array<double, kCount> predicted{};
-    double planning = 0; ///< s, making one plan
-
-    [[nodiscard]] const Run &at(std::size_t tolerance) const { return runs[runOf[tolerance]]; }
-    [[nodiscard]] const Run &full() const { return runs.back(); }
-    /// Time over that of the full model: at the same samples, or to the same noise.
-    [[nodiscard]] Measured time(std::size_t tolerance, bool equalNoise) const {
-        const Run &run = at(tolerance);
-        const double noise = equalNoise ? run.variance / full().variance : 1;
-        Measured m = run.seconds * (noise / full().seconds.value);
-        if (&run != &full()) m.spread = std::hypot(m.spread, m.value * full().seconds.spread / full().seconds.value);
-        return m;
-    }
-};
-
-/// Errors against the last run, from all pairs of seeds; without noise, a square may come out below zero where there is nothing else.
-void measureErrors(const PlanScene &scene, std::vector<Run> &runs) {
-    std::vector<std::vector<std::vector<float>>> images(runs.size()); // [runs][seeds]
-    for (std::size_t i = 0; i < runs.size(); ++i)
-        for (std::uint32_t seed = 1; seed <= kErrorSeeds; ++seed)
-            images[i].push_back(renderImage(scene.scene, runs[i].plan, scene.frame, kErrorSpp, seed).values);
-    for (std::size_t i = 0; i + 1 < runs.size(); ++i) {
-        std::vector<double> squares;
-        double mean = 0;
-        for (std::size_t a = 0; a < kErrorSeeds; ++a)
-            for (std::size_t b = 0; b < a; ++b) {
-                const double e = expectedDifference(images[i][a], images[i][b], images.back()[a], images.back()[b]);
-                squares.push_back(std::copysign(e * e, e));
-                mean += squares.back();
-            }
-        mean /= static_cast<double>(squares.size());
-        const Measured square = medianOf(squares);
-        const double error = std::sqrt(std::max(mean, 0.0));
-        runs[i].error = {error, std::sqrt(std::max(mean + square.spread, 0.0)) - error, static_cast<int>(kErrorSeeds)};
-    }
+/// Of this process, all its threads: what a busy machine disturbs least.
+double processSeconds() {
+    timespec time{};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+    return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-Outcome outcomeOf(const PlanScene &scene, int rounds) {
-    Outcome outcome;
-    outcome.name = scene.name;
-    std::vector<Run> &runs = outcome.runs;
-    const ScenePlan full = fullPlan(scene.scene);
-    Stopwatch watch;
-    for (std::size_t i = 0; i < kCount; ++i) {
-        Run run;
-        run.plan = makePlan(scene.scene, kTolerances[i]);
-        outcome.predicted[i] = static_cast<double>(run.plan.predictedError + run.plan.errorInNoise);
-        const auto found = std::find_if(runs.begin(), runs.end(),
-                                        [&](const Run &r) { return r.plan.bvh == run.plan.bvh && sameModels(r.plan, run.plan); });
-        outcome.runOf[i] = static_cast<std::size_t>(found - runs.begin());
-        if (found == runs.end()) runs.push_back(std::move(run));
-    }
-    outcome.planning = watch.lap() / kCount;
-    runs.push_back({full, {}, 0, {}});
+/// A picture with the time of all that it took from the scene on.
+struct Shot {
+    std::vector<float> values;
+    double seconds = 0;
+    double samples = 0;
+    double told = 0; ///< error that the frame says it has reached
+    ScenePlan plan;
+};
 
-    std::vector<std::vector<std::vector<float>>> images(runs.size()); // [runs][seeds], of the last frame
-    std::vector<std::function<void()>> rows;
-    for (std::size_t i = 0; i < runs.size(); ++i)
-        rows.emplace_back([&, i] {
-            RenderScene ready(scene.scene, runs[i].plan, true);
-            StageTimes ignored;
-            const auto seed = static_cast<std::uint32_t>(images[i].size() + 1);
-            for (const int frame : scene.scene.render.frames) {
-                ready.setFrame(frame, ignored);
-                const RenderedImage image = renderReady(ready, kTimedSpp, seed);
-                if (frame == scene.scene.render.frames.back()) images[i].push_back(image.values);
-            }
-        });
-    const std::vector<Measured> seconds = timeOnOneThread(rows, rounds);
-    for (std::size_t i = 0; i < runs.size(); ++i) {
-        runs[i].seconds = seconds[i];
-        runs[i].variance = relativeVariance(images[i]);
+std::vector<float> coloursOf(const Film &film) {
+    const std::vector<float> values = film.resolve();
+    std::vector<float> colours;
+    for (std::size_t i = 0; i < values.size(); i += 4) colours.insert(colours.end(), {values[i], values[i + 1], values[i + 2]});
+    return colours;
+}
+
+Shot shoot(const Scene &scene, double frame, PlannedScene planned, FrameOptions options, double began) {
+    Shot shot;
+    shot.plan = planned.plan;
+    if (planned.plan.budget) {
+        options.picture = PictureGoal{static_cast<double>(planned.plan.budget->noise), planned.plan.budget->firstSamples};
+        options.spp = kMost;
     }
-    measureErrors(scene, runs);
+    RenderScene ready(scene, std::move(planned.plan), false, std::move(planned.surfaces));
+    ready.setFrame(frame);
+    const FrameResult result = renderFrame(ready, options);
+    shot.seconds = processSeconds() - began;
+    shot.values = coloursOf(result.film);
+    shot.samples = result.film.meanSamples();
+    if (shot.plan.budget) shot.told = std::hypot(result.reached->error, static_cast<double>(shot.plan.budget->bias));
+    return shot;
+}
+
+Shot shootTo(const Scene &scene, double frame, float error, bool full, std::uint32_t seed) {
+    const double began = processSeconds();
+    PlanOptions options;
+    options.error = error;
+    options.full = full;
+    FrameOptions frameOptions;
+    frameOptions.seed = seed;
+    return shoot(scene, frame, planByPilots(scene, options), frameOptions, began);
+}
+
+Shot shootFixed(const Scene &scene, double frame, int spp, std::uint32_t seed) {
+    const double began = processSeconds();
+    PlannedScene planned;
+    planned.plan = fullPlan(scene);
+    FrameOptions options;
+    options.spp = spp;
+    options.seed = seed;
+    return shoot(scene, frame, std::move(planned), options, began);
+}
+
+/// Error against what two references would be without their noise: E (I - R1) (I - R2) = (I - R)^2.
+double trueError(const std::vector<float> &image, const std::array<std::vector<float>, 2> &references) {
+    double square = 0;
+    double all = 0;
+    for (std::size_t i = 0; i < image.size(); ++i) {
+        const auto value = static_cast<double>(image[i]);
+        const auto first = static_cast<double>(references[0][i]);
+        const auto second = static_cast<double>(references[1][i]);
+        square += (value - first) * (value - second);
+        all += first * second;
+    }
+    return std::sqrt(std::max(square, 0.0) / all);
+}
+
+/// One way to render to an error.
+struct Way {
+    double error = 0, told = 0;
+    double seconds = 0;
+    double fixed = 0; ///< s of the full model with the fewest samples, the same in every pixel, that reach the asked error
+    double samples = 0;
+    [[nodiscard]] double ratio() const { return seconds / fixed; }
+};
+
+struct Outcome {
+    std::string name;
+    std::array<Way, kErrors.size()> planned, samplesAlone;
+};
+
+/// Seconds of the full model for an error: with the fewest samples of the curve that reach it, or, beyond its end, with as many as its
+/// last part foresees, in proportion.
+double fixedSeconds(const std::vector<ErrorPoint> &curve, const std::vector<double> &seconds, double error) {
+    for (std::size_t i = 0; i < curve.size(); ++i)
+        if (curve[i].error <= error) return seconds[i];
+    const double rate = (seconds.back() - seconds.front()) / (curve.back().samples - curve.front().samples);
+    return seconds.back() + rate * (samplesToReach(curve, error) - curve.back().samples);
+}
+
+Outcome outcomeOf(const ErrorScene &from, int most) {
+    const Scene scene = from.make();
+    const std::array<std::vector<float>, 2> references{shootFixed(scene, from.frame, 4 * most, 1001).values,
+                                                       shootFixed(scene, from.frame, 4 * most, 1002).values};
+    std::vector<ErrorPoint> curve;
+    std::vector<double> seconds;
+    for (int spp = 1; spp <= most; spp = nextSampleCount(spp)) {
+        double square = 0;
+        double spent = 0;
+        const int seeds = spp < 32 ? kSeeds : 1;
+        for (int seed = 1; seed <= seeds; ++seed) {
+            const Shot shot = shootFixed(scene, from.frame, spp, static_cast<std::uint32_t>(seed));
+            square += sqr(trueError(shot.values, references)) / seeds;
+            spent += shot.seconds / seeds;
+        }
+        curve.push_back({static_cast<double>(spp), std::sqrt(square)});
+        seconds.push_back(spent);
+    }
+    Outcome outcome;
+    outcome.name = from.name;
+    for (std::size_t i = 0; i < kErrors.size(); ++i)
+        for (const bool full : {false, true}) {
+            const Shot shot = shootTo(scene, from.frame, kErrors[i], full, 17);
+            Way &way = full ? outcome.samplesAlone[i] : outcome.planned[i];
+            way = {trueError(shot.values, references), shot.told, shot.seconds, 0, shot.samples};
+            way.fixed = fixedSeconds(curve, seconds, static_cast<double>(kErrors[i]));
+        }
     return outcome;
 }
 
-bool isDefault(std::size_t i) {
-    return !kTolerances[i];
-}
-std::string nameOf(std::size_t i) {
-    return kTolerances[i] ? "tolerance " + digits(static_cast<double>(*kTolerances[i])) : "none given";
-}
-
-const Axis kErrorAxis{"RMS error of the image, relative", ""};
-Axis timeAxis(bool equalNoise) {
-    return {std::string(equalNoise ? "time to the same noise" : "time of the same samples") + ", full model 1", "", false};
+double geometricMean(const std::vector<double> &values) {
+    double sum = 0;
+    for (const double value : values) sum += std::log(value) / static_cast<double>(values.size());
+    return std::exp(sum);
 }
 
-/// All scenes together: the mean of their times over that of the full model, the worst of their errors.
-Panel tolerancePanel(const std::vector<Outcome> &outcomes, bool equalNoise, const std::string &conditions) {
-    Panel panel{equalNoise ? "noise" : "samples",
-                equalNoise ? "All scenes, to the same noise" : "All scenes, the same samples",
-                conditions,
-                timeAxis(equalNoise),
-                {"worst RMS error of the image, relative", ""},
-                {}};
-    panel.hasFront = equalNoise;
-    panel.joined = true;
-    for (std::size_t i = 0; i < kCount; ++i) {
-        Measured time;
-        Measured worst;
-        for (const Outcome &outcome : outcomes) {
-            const Measured t = outcome.time(i, equalNoise);
-            time.value += t.value / static_cast<double>(outcomes.size());
-            time.spread = std::hypot(time.spread, t.spread / static_cast<double>(outcomes.size()));
-            time.repetitions = t.repetitions;
-            if (outcome.at(i).error.value >= worst.value) worst = outcome.at(i).error;
-        }
-        panel.points.push_back({isDefault(i) ? "by the samples" : "plan", nameOf(i), time, worst, isDefault(i)});
-    }
-    return panel;
+/// Ratios of time over all scenes, of one asked error or of all.
+std::vector<double> ratiosOf(const std::vector<Outcome> &outcomes, bool planned, std::optional<std::size_t> error) {
+    std::vector<double> ratios;
+    for (const Outcome &outcome : outcomes)
+        for (std::size_t i = 0; i < kErrors.size(); ++i)
+            if (!error || *error == i) ratios.push_back((planned ? outcome.planned : outcome.samplesAlone)[i].ratio());
+    return ratios;
 }
 
-Panel honestyPanel(const std::vector<Outcome> &outcomes, const std::string &conditions) {
-    Panel panel{"honesty", "Every scene: predicted against true error", conditions, {"predicted error", ""}, kErrorAxis, {}};
-    panel.hasFront = false;
-    panel.labelled = false;
-    for (std::size_t i = 0; i < kCount; ++i)
-        for (const Outcome &outcome : outcomes)
-            panel.points.push_back({nameOf(i), outcome.name, {outcome.predicted[i]}, outcome.at(i).error, isDefault(i)});
-    return panel;
+std::string asked(std::size_t i) {
+    return "error " + digits(static_cast<double>(kErrors[i]));
 }
 
 } // namespace
 
 Chart measurePlan(const ChartOptions &options) {
-    const int rounds = options.effort == Effort::Quick ? 5 : 21;
+    const bool quick = options.effort == Effort::Quick;
+    const int width = quick ? 48 : 96;
     std::vector<Outcome> outcomes;
-    for (const PlanScene &scene : planScenes(kSize)) outcomes.push_back(outcomeOf(scene, rounds));
+    int number = 0;
+    for (const ErrorScene &scene : errorScenes(width))
+        if (!quick || number++ % 6 == 2) outcomes.push_back(outcomeOf(scene, quick ? 64 : 256));
+
+    const std::string conditions = std::to_string(outcomes.size()) + " scenes, " + std::to_string(width) +
+                                   " pixels wide; time of the process from the scene on: plan, pilots, topology, frame, samples";
+    Panel honesty{"honesty", "Asked against true error, every scene", conditions, {"error that is asked for", ""},
+                  {"true error of the picture, relative RMS", ""}, {}};
+    honesty.hasFront = honesty.labelled = false;
+    Panel time{"time", "Time over that of the full model with the best fixed samples", conditions,
+               {"time to the asked error, full model with the best fixed samples 1", ""}, {"true error of the picture, relative RMS", ""}, {}};
+    time.hasFront = time.labelled = false;
+    Panel parts{"parts", "All scenes: what samples save, and what models save beside", conditions,
+                {"time to the asked error, geometric mean", "", false}, {"error that is asked for", ""}, {}};
+    parts.joined = true;
+    parts.hasFront = false;
+    Table table{"scenes", "Every scene", {"scene", "asked", "true error", "told", "samples a pixel", "time over full", "samples alone"}};
     std::size_t kept = 0;
-    double planning = 0;
-    const Outcome *cheapest = &outcomes.front();
-    std::size_t chosen = 0;
-    while (!isDefault(chosen)) ++chosen;
-    for (const Outcome &outcome : outcomes) {
-        planning += 1e3 * outcome.planning / static_cast<double>(outcomes.size());
-        for (std::size_t i = 0; i < kCount; ++i)
-            if (kTolerances[i] && outcome.at(i).error.value <= static_cast<double>(*kTolerances[i])) ++kept;
-        if (outcome.time(chosen, true).value < cheapest->time(chosen, true).value) cheapest = &outcome;
+    std::vector<double> shares;
+    double slowest = 0;
+    for (const Outcome &outcome : outcomes)
+        for (std::size_t i = 0; i < kErrors.size(); ++i) {
+            const Way &way = outcome.planned[i];
+            const auto error = static_cast<double>(kErrors[i]);
+            honesty.points.push_back({asked(i), outcome.name, {error}, {way.error}, false});
+            time.points.push_back({asked(i), outcome.name, {way.ratio()}, {way.error}, false});
+            table.rows.push_back({outcome.name, digits(error), digits(way.error), digits(way.told), digits(way.samples), digits(way.ratio()),
+                                  digits(outcome.samplesAlone[i].ratio())});
+            kept += way.error <= error ? 1 : 0;
+            shares.push_back(way.error / error);
+            slowest = std::max(slowest, way.ratio());
+        }
+    std::sort(shares.begin(), shares.end());
+    for (std::size_t i = 0; i < kErrors.size(); ++i) {
+        const Measured error{static_cast<double>(kErrors[i])};
+        parts.points.push_back({"full model, fixed samples", asked(i), {1}, error, false});
+        parts.points.push_back({"full model, samples where they are needed", asked(i), {geometricMean(ratiosOf(outcomes, false, i))}, error, false});
+        parts.points.push_back({"plan, samples where they are needed", asked(i), {geometricMean(ratiosOf(outcomes, true, i))}, error, true});
     }
-    const std::string conditions = std::to_string(outcomes.size()) + " scenes, 24 x 24 pixels, " + std::to_string(kTimedSpp) +
-                                   " samples, three frames, topology included, plan made beforehand; errors at " +
-                                   std::to_string(kErrorSpp) + " samples, of four seeds, without their noise; one thread";
-    Chart chart{"plan", "The plan: what a tolerance saves",
-                "The cheapest model whose predicted error stays below a tolerance, against the full model, every saving off, with the "
-                "same random numbers. Models of multiple scattering differ in noise as well: the first plot counts the time to the "
-                "same noise, time by variance.",
-                "Left saves time, down is closer to the full model. In the last plot honest plans lie below the diagonal: the true "
-                "error is less than the predicted one."};
-    chart.panels = {tolerancePanel(outcomes, true, conditions), tolerancePanel(outcomes, false, conditions),
-                    honestyPanel(outcomes, conditions)};
-    chart.choice = "Default: no tolerance, which is " + digits(static_cast<double>(kDefaultTolerance)) + " and, at the scene's " +
-                   std::to_string(RenderSettings{}.spp) +
-                   " samples, light of several facets only where it is more than the noise that it brings. Where a tolerance is given, the "
-                   "true error is below it in " +
-                   std::to_string(kept) + " of " + std::to_string((kCount - 1) * outcomes.size()) +
-                   " plans. At the default the scenes take on average " + digits(100 * chart.panels[0].points[chosen].x.value) +
-                   " % of the full model's time to the same noise, " + digits(100 * chart.panels[1].points[chosen].x.value) +
-                   " % of its time for the same samples, and '" + cheapest->name + "' takes " +
-                   digits(100 * cheapest->time(chosen, true).value) + " %. Making a plan takes " + digits(planning, 2) +
-                   " ms a scene, once for all frames.";
+    Chart chart{"plan", "An error that is asked for",
+                "Pictures rendered to a relative RMS error, bias and noise together, against the full model. The truth is the full model as two "
+                "references without their noise; the best fixed number of samples is the first of 1, 2, 3, 4, 6, 8, 12, ... that reaches the asked error.",
+                "In the first plot pictures below the diagonal keep what was asked, and those close to it waste nothing. In the others left saves "
+                "time."};
+    chart.panels = {honesty, time, parts};
+    chart.tables = {table};
+    const std::vector<double> all = ratiosOf(outcomes, true, std::nullopt);
+    chart.choice = "The true error is at most the asked one in " + std::to_string(kept) + " of " + std::to_string(shares.size()) +
+                   " pictures, and " + digits(shares[shares.size() / 2]) + " of it in the median (" + digits(shares.front()) + " to " +
+                   digits(shares.back()) + "). Time for the same error over the full model with the best fixed samples: geometric mean " +
+                   digits(geometricMean(all)) + ", slowest " + digits(slowest) + "; samples alone " +
+                   digits(geometricMean(ratiosOf(outcomes, false, std::nullopt))) + ".";
     return chart;
 }
 

@@ -55,14 +55,9 @@ float momentsFitError(float sigmaOverAlpha) {
     return kFit.back().y;
 }
 
-DetailPlan planDetail(const Scene &scene, Index index, float leastAlpha, int frame, float budget) {
+std::optional<Question> detailQuestion(const Scene &scene, Index index, float leastAlpha, int frame) {
     const Material &material = scene.materials[index];
-    DetailPlan plan;
-    if (material.detail != TextureDetail::Auto) {
-        plan.detail = material.detail;
-        return plan;
-    }
-    if (!material.slopes.isGiven()) return plan;
+    if (material.detail != TextureDetail::Auto || !material.slopes.isGiven()) return std::nullopt;
     const Texture &texture = scene.textures[material.slopes.texture];
     const auto pyramid = slopePyramid(texture, material.slopes.kind);
     float variance = 0;
@@ -82,13 +77,21 @@ DetailPlan planDetail(const Scene &scene, Index index, float leastAlpha, int fra
     const float error = kFitToImage * momentsFitError(std::sqrt(variance) / std::fmax(leastAlpha, 1e-4F));
     // The map's variance over the lobe's own, which is that of alpha: so many more samples average it as far.
     const float samples = 1 + variance / sqr(std::fmax(leastAlpha, 1e-4F));
-    Question q{{{TextureDetail::Moments, error, 1, 0, {}}, {TextureDetail::Map, 0, samples, 0, {}}}, 0};
+    return Question{{{TextureDetail::Moments, error, 1, 0, {}}, {TextureDetail::Map, 0, samples, 0, {}}}, 0};
+}
+
+DetailPlan planDetail(const Material &material, std::optional<Question> question, float budget) {
+    DetailPlan plan;
+    if (!question) {
+        if (material.detail != TextureDetail::Auto) plan.detail = material.detail;
+        return plan;
+    }
     float left = budget;
-    take(q, left);
-    if (!(variance > 0)) q.taken = 1; // no pixel sees more than a texel
-    plan.detail = q.answer<TextureDetail>();
-    plan.error = q.choices[q.taken].error;
-    plan.question = std::move(q);
+    take(*question, left);
+    if (!(question->choices.back().cost > 1)) question->taken = 1; // no pixel sees more than a texel
+    plan.detail = question->answer<TextureDetail>();
+    plan.error = question->choices[question->taken].error;
+    plan.question = std::move(question);
     return plan;
 }
 

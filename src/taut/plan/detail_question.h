@@ -13,7 +13,9 @@ namespace taut {
 /// by a GGX: 0.02, 0.06, 0.11, 0.15, 0.17 at sigma / alpha = 1/4, 1/2, 1, 2, 4; linear between.
 float momentsFitError(float sigmaOverAlpha);
 
-/// Of one material; `leastAlpha` over the frames.
-DetailPlan planDetail(const Scene &scene, Index material, float leastAlpha, int frame, float budget);
+/// Of one material; `leastAlpha` over the frames. None where there is no map, or the material says itself.
+std::optional<Question> detailQuestion(const Scene &scene, Index material, float leastAlpha, int frame);
+/// Its answer within a budget.
+DetailPlan planDetail(const Material &material, std::optional<Question> question, float budget);
 
 } // namespace taut

@@ -117,15 +117,17 @@ int mostLevel(const Scene &scene, const Object &object) {
     return levelWithin(scene.budget.get(), object, scene.render, level);
 }
 
-Question subdivisionQuestion(const Scene &scene, const Object &object, const RefinementError &probe, const PlanCosts &costs) {
+Question subdivisionQuestion(const Scene &scene, const Object &object, const RefinementError &probe, const PlanScales &scales,
+                             const PlanCosts &costs) {
     const float leastAlpha = leastRestAlpha(scene, object);
     const int most = mostLevel(scene, object);
     Question q;
     for (int level = 1; level <= most; ++level) {
         const float scale = std::pow(4.0F, static_cast<float>(kProbeLevel - level));
         const float lobes = kViewFactor * kPeakFactor * scale * (probe.stretch + probe.normal / std::fmin(leastAlpha, 1.0F));
+        const float measured = scales.subdivision * std::pow(4 / scales.subdivisionRatio, static_cast<float>(level - kProbeLevel));
         q.choices.push_back({SubdivisionLevel{level},
-                             lobes + silhouetteError(scene, probe, scale * probe.position),
+                             measured * (lobes + silhouetteError(scene, probe, scale * probe.position)),
                              probe.vertices / scale * (costs.limit + costs.refit) * 1e-3F,
                              0,
                              {}});
@@ -134,9 +136,10 @@ Question subdivisionQuestion(const Scene &scene, const Object &object, const Ref
     return q;
 }
 
-void planMesh(const Object &object, const GradientField &field, const AlphaRange &alpha, float left, const PlanCosts &costs,
-              MeshPlan &plan) {
+void planMesh(const Object &object, const GradientField &field, const AlphaRange &alpha, float left, float scale,
+              const PlanCosts &costs, MeshPlan &plan) {
     const auto ask = [&](Question question) -> const Question & {
+        scaleErrors(question, scale);
         take(question, left);
         return plan.questions.emplace_back(std::move(question));
     };

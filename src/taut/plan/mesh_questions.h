@@ -25,10 +25,11 @@ inline constexpr int kProbeLevel = 2;
 /// The finest level that a plan considers.
 int mostLevel(const Scene &scene, const Object &object);
 /// Errors of normals, V and outline between the vertices of each level, from those at kProbeLevel.
-Question subdivisionQuestion(const Scene &scene, const Object &object, const RefinementError &probe, const PlanCosts &costs);
+Question subdivisionQuestion(const Scene &scene, const Object &object, const RefinementError &probe, const PlanScales &scales,
+                             const PlanCosts &costs);
 
-/// All other questions, answered within what is left of the tolerance.
-void planMesh(const Object &object, const GradientField &field, const AlphaRange &alpha, float left, const PlanCosts &costs,
-              MeshPlan &plan);
+/// All other questions, answered within what is left of the tolerance; predicted errors are multiplied by `scale`.
+void planMesh(const Object &object, const GradientField &field, const AlphaRange &alpha, float left, float scale,
+              const PlanCosts &costs, MeshPlan &plan);
 
 } // namespace taut

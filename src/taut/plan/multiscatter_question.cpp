@@ -47,17 +47,18 @@ float coverageOfMaterial(const Scene &scene, Index material, const SceneLights &
 
 } // namespace
 
-MultiscatterPlan planMultiscatter(const Material &material, const Vec2 &greatestAlpha, float budget, const PlanCosts &costs) {
+MultiscatterPlan planMultiscatter(const Material &material, const Vec2 &greatestAlpha, float budget, const PlanScales &scales,
+                                  const PlanCosts &costs) {
     MultiscatterPlan plan;
     const bool isOpen = material.multiscatter == Multiscatter::Auto && multiscatterOf(material, Multiscatter::Auto) == Multiscatter::Auto;
     if (!isOpen) return plan;
     const float loss = lossAt(greatestAlpha);
     plan.negligibleLoss = 0.5F * budget / kGrazingLoss;
     const float seen = material.slopes.isGiven() ? kMappedLoss : kGrazingLoss;
-    Question q{{{Multiscatter::Off, seen * loss, 0, 0, {}}}, 0};
+    Question q{{{Multiscatter::Off, scales.off * seen * loss, 0, 0, {}}}, 0};
     if (bsdfInfo(material.type).compensates() && costs.compensation < costs.walkAt(loss))
         q.choices.push_back(
-            {Multiscatter::Auto, kGrazingLoss * plan.negligibleLoss + kCompensationLobeError * loss, costs.compensation, 0, {}});
+            {Multiscatter::Auto, scales.compensation * (kGrazingLoss * plan.negligibleLoss + kCompensationLobeError * loss), costs.compensation, 0, {}});
     q.choices.push_back({Multiscatter::Walk, 0, costs.walkAt(loss), 0, {}});
     float left = budget;
     take(q, left);

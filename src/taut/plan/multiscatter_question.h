@@ -9,7 +9,8 @@ namespace taut {
 
 /// Answered within a budget of error, for a material that is no rougher than this (deformed alphas). Nothing is asked where the material
 /// says itself.
-MultiscatterPlan planMultiscatter(const Material &material, const Vec2 &greatestAlpha, float budget, const PlanCosts &costs);
+MultiscatterPlan planMultiscatter(const Material &material, const Vec2 &greatestAlpha, float budget, const PlanScales &scales,
+                                  const PlanCosts &costs);
 
 /// Goes back to single scattering where the light would bring more noise, at the scene's samples a pixel, than it takes error away.
 /// Compensation and walk alike: both send light of several facets to about every direction, where few paths find a small light.

@@ -33,136 +33,131 @@ std::vector<int> levelsOf(const ScenePlan &plan) {
     return levels;
 }
 
-/// Makes a plan, object by object and material by material.
-class Planner {
-  public:
-    Planner(const Scene &scene, const PlanOptions &options)
-        : scene_(scene), options_(options), spread_(spreadFrames(scene.render.frames.size())),
-          greatestAlpha_(scene.materials.size(), Vec2(0)), leastAlpha_(scene.materials.size(), kInfinity) {}
+/// What an object does over the frames.
+struct ObjectFacts {
+    GradientField field;
+    RefinementError probe; ///< where the plan chooses the level
+    std::vector<float> hardness; ///< [frames looked at] of it, without a unit
+    AlphaRange alpha;            ///< of its materials
+    bool isMapped = false;
+};
 
-    PlannedScene plan() {
-        ScenePlan &plan = planned_.plan;
-        plan = options_.full ? fullPlan(scene_) : defaultPlan(scene_);
-        planned_.surfaces.resize(scene_.objects.size());
-        if (options_.report) planned_.fields.resize(scene_.objects.size());
-        forecasts_.assign(scene_.objects.size(), BvhForecast(raysPerFrame(scene_.render), options_.costs.bvh));
-        if (!options_.full) plan.tolerance = options_.tolerance.value_or(kDefaultTolerance);
-        for (std::size_t i = 0; i < scene_.objects.size(); ++i) planObject(i);
-        if (!options_.full) {
-            planMaterials();
-            plan.bvh = chooseBvh(scene_, levelsOf(plan), options_.costs.bvh);
+} // namespace
+
+struct ScenePlanner::State {
+    State(const Scene &scene_, const PlanOptions &options_)
+        : scene(scene_), options(options_), spread(spreadFrames(scene.render.frames.size())) {
+        check(scene);
+        planned.surfaces.resize(scene.objects.size());
+        facts.resize(scene.objects.size());
+        greatestAlpha.assign(scene.materials.size(), Vec2(0));
+        std::vector<float> leastAlpha(scene.materials.size(), kInfinity);
+        for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+            look(i);
+            const Object &object = scene.objects[i];
+            for (const Index m : object.materials) {
+                if (options.full || !hasMicrosurface(scene.materials[m])) continue;
+                const AlphaRange own = deformedAlpha(scene.materials[m], object.follow ? facts[i].field : GradientField{});
+                facts[i].alpha.add(own);
+                greatestAlpha[m] = glm::max(greatestAlpha[m], own.greatest);
+                leastAlpha[m] = std::fmin(leastAlpha[m], own.least);
+            }
         }
-        for (std::size_t i = 0; i < scene_.objects.size(); ++i)
-            if (reportsBvh(i)) plan.meshes[i].questions.push_back(forecasts_[i].question(plan.bvh));
-        return std::move(planned_);
+        for (Index m = 0; m < scene.materials.size(); ++m)
+            details.push_back(options.full ? std::nullopt : detailQuestion(scene, m, leastAlpha[m], middleFrame()));
     }
 
-  private:
-    [[nodiscard]] bool reportsBvh(std::size_t i) const {
-        return options_.report && scene_.render.frames.size() > 1 && deforms(scene_.objects[i]);
-    }
+    const Scene &scene;
+    const PlanOptions &options;
+    std::vector<std::size_t> spread;
+    std::vector<ObjectFacts> facts;               // [objects]
+    std::vector<Vec2> greatestAlpha;              // [materials] deformed
+    std::vector<std::optional<Question>> details; // [materials]
+    PlannedScene planned;
+
+    [[nodiscard]] int middleFrame() const { return scene.render.frames[spread[spread.size() / 2]]; }
+    [[nodiscard]] bool choosesLevel(std::size_t i) const { return scene.objects[i].planLevel && !options.full; }
 
     ObjectSurface &surfaceAt(std::size_t i, int level) {
-        const Object &object = scene_.objects[i];
-        ObjectSurface &surface = planned_.surfaces[i];
+        const Object &object = scene.objects[i];
+        ObjectSurface &surface = planned.surfaces[i];
         if (surface.object != nullptr) return surface;
-        prepareObjectSurface(object, scene_.render.fps, defaultEstimator(object), level, surface);
+        prepareObjectSurface(object, scene.render.fps, defaultEstimator(object), level, surface);
         compact(surface);
         return surface;
     }
 
     /// Brings a surface to each of the frames in turn, world space.
     template <class Look> void overFrames(ObjectSurface &surface, bool all, const Look &look) const {
-        const std::vector<int> &frames = scene_.render.frames;
+        const std::vector<int> &frames = scene.render.frames;
         double ignored = 0;
         for (std::size_t k = 0; k < frames.size(); ++k) {
-            const bool planned = std::binary_search(spread_.begin(), spread_.end(), k);
-            if (!planned && !all) continue;
-            deformAtFrame(surface, frames[k], scene_.render.fps, DMat4(1), ignored, ignored);
-            look(k, planned);
+            if (!all && !std::binary_search(spread.begin(), spread.end(), k)) continue;
+            deformAtFrame(surface, frames[k], scene.render.fps, DMat4(1), ignored, ignored);
+            look(k);
         }
     }
 
-    void chooseLevel(std::size_t i, float &left) {
-        MeshPlan &mesh = planned_.plan.meshes[i];
-        const Object &object = scene_.objects[i];
-        if (scene_.budget)
-            scene_.budget->require(objectBytes(object, scene_.render, kProbeLevel), "mesh " + quoted(object.name), "subdivision = \"auto\"");
-        ObjectSurface &surface = surfaceAt(i, kProbeLevel);
-        RefinementError probe;
-        overFrames(surface, false, [&](std::size_t, bool) { probe.add(surface); });
-        Question question = subdivisionQuestion(scene_, scene_.objects[i], probe, options_.costs);
-        take(question, left);
-        mesh.subdivisionLevel = question.answer<SubdivisionLevel>().level;
-        mesh.questions.push_back(std::move(question));
-        if (scene_.budget)
-            scene_.budget->take(objectBytes(object, scene_.render, mesh.subdivisionLevel), "mesh " + quoted(object.name),
-                                "level " + std::to_string(mesh.subdivisionLevel));
-        if (mesh.subdivisionLevel != kProbeLevel) surface = ObjectSurface();
-    }
+    /// The level that a mesh is looked at; where the plan chooses, none finer is needed for that.
+    [[nodiscard]] int probeLevel(std::size_t i) const { return choosesLevel(i) ? kProbeLevel : scene.objects[i].subdivision.level; }
 
-    /// The gradient field over the frames that a plan looks at, and all that a report asks for: one evaluation a frame.
-    GradientField measure(std::size_t i) {
-        GradientField field;
-        const bool asked = !options_.full && !isRigid(scene_.objects[i]);
-        if (!asked && !options_.report) return field;
-        ObjectSurface &surface = surfaceAt(i, planned_.plan.meshes[i].subdivisionLevel);
-        const std::size_t stride = BvhForecast::stride(scene_.render.frames.size());
-        overFrames(surface, options_.report, [&](std::size_t k, bool planned) {
-            GradientField now;
+    void look(std::size_t i) {
+        const Object &object = scene.objects[i];
+        ObjectFacts &fact = facts[i];
+        fact.isMapped =
+            std::any_of(object.materials.begin(), object.materials.end(), [&](Index m) { return scene.materials[m].slopes.isGiven(); });
+        if (options.full || (!choosesLevel(i) && isRigid(object))) return;
+        if (choosesLevel(i) && scene.budget)
+            scene.budget->require(objectBytes(object, scene.render, kProbeLevel), "mesh " + quoted(object.name), "subdivision = \"auto\"");
+        overFrames(surfaceAt(i, probeLevel(i)), false, [&](std::size_t) {
+            const ObjectSurface &surface = planned.surfaces[i];
+            if (!isRigid(object)) fact.field.add(surface);
+            if (!choosesLevel(i)) return;
+            fact.probe.add(surface);
+            RefinementError now;
             now.add(surface);
-            if (planned && asked) field.add(now);
-            if (options_.report) planned_.fields[i].add(now);
-            if (reportsBvh(i) && k % stride == 0) forecasts_[i].add(surface);
+            fact.hardness.push_back(now.normal + now.stretch);
         });
-        return field;
     }
 
-    void planObject(std::size_t i) {
-        const Object &object = scene_.objects[i];
-        ScenePlan &plan = planned_.plan;
+    void planObject(std::size_t i, const PlanScales &scales, ScenePlan &plan) const {
+        const Object &object = scene.objects[i];
         MeshPlan &mesh = plan.meshes[i];
-        const bool mapped =
-            std::any_of(object.materials.begin(), object.materials.end(), [&](Index m) { return scene_.materials[m].slopes.isGiven(); });
-        float left = (1 - kMultiscatterShare - (mapped ? kDetailShare : 0)) * plan.tolerance;
-        if (object.planLevel && !options_.full) chooseLevel(i, left);
-        const GradientField field = measure(i);
-        if (options_.full) return;
-        AlphaRange alpha;
-        for (const Index m : object.materials) {
-            if (!hasMicrosurface(scene_.materials[m])) continue;
-            const AlphaRange own = deformedAlpha(scene_.materials[m], object.follow ? field : GradientField{});
-            alpha.add(own);
-            greatestAlpha_[m] = glm::max(greatestAlpha_[m], own.greatest);
-            leastAlpha_[m] = std::fmin(leastAlpha_[m], own.least);
+        float left = (1 - kMultiscatterShare - (facts[i].isMapped ? kDetailShare : 0)) * plan.tolerance;
+        if (object.planLevel) {
+            Question question = subdivisionQuestion(scene, object, facts[i].probe, scales, options.costs);
+            take(question, left);
+            mesh.subdivisionLevel = question.answer<SubdivisionLevel>().level;
+            mesh.questions.push_back(std::move(question));
         }
+        const AlphaRange &alpha = facts[i].alpha;
         if (alpha.greatest.x > 0) {
             mesh.leastAlpha = alpha.least;
             mesh.greatestAlpha = alpha.greatest.x;
         }
-        planMesh(object, field, alpha, left, options_.costs, mesh);
+        planMesh(object, facts[i].field, alpha, left, scales.stretch, options.costs, mesh);
         float error = 0;
         for (const Question &q : mesh.questions) error += q.choices[q.taken].error;
         plan.predictedError = std::fmax(plan.predictedError, error);
     }
 
-    void planMaterials() {
-        ScenePlan &plan = planned_.plan;
+    void planMaterials(const PlanScales &scales, bool weighsNoise, ScenePlan &plan) const {
         const float budget = kMultiscatterShare * plan.tolerance;
-        const int middle = scene_.render.frames[spread_[spread_.size() / 2]];
         std::optional<SceneLights> lights;
         float worst = 0;
         float worstDetail = 0;
-        for (std::size_t m = 0; m < scene_.materials.size(); ++m) {
-            const Vec2 alpha = glm::clamp(greatestAlpha_[m], Vec2(kLeastAlpha), Vec2(kMostAlpha));
+        for (std::size_t m = 0; m < scene.materials.size(); ++m) {
+            const Vec2 alpha = glm::clamp(greatestAlpha[m], Vec2(kLeastAlpha), Vec2(kMostAlpha));
             MultiscatterPlan &material = plan.materials[m];
-            material = planMultiscatter(scene_.materials[m], alpha, budget, options_.costs);
-            if (!options_.tolerance && material.model != Multiscatter::Off && material.question) {
-                if (!lights) lights = lightsOf(scene_, middle);
-                weighNoise(scene_, static_cast<Index>(m), alpha, *lights, middle, material);
+            material = planMultiscatter(scene.materials[m], alpha, budget, scales, options.costs);
+            if (weighsNoise && material.model != Multiscatter::Off && material.question) {
+                if (!lights) lights = lightsOf(scene, middleFrame());
+                weighNoise(scene, static_cast<Index>(m), alpha, *lights, middleFrame(), material);
             }
             DetailPlan &detail = plan.details[m];
-            detail = planDetail(scene_, static_cast<Index>(m), leastAlpha_[m], middle, kDetailShare * plan.tolerance);
+            std::optional<Question> question = details[m];
+            if (question) scaleErrors(*question, scales.detail);
+            detail = planDetail(scene.materials[m], std::move(question), kDetailShare * plan.tolerance);
             worstDetail = std::fmax(worstDetail, detail.error);
             if (material.error > budget)
                 plan.errorInNoise = std::fmax(plan.errorInNoise, material.error);
@@ -172,16 +167,63 @@ class Planner {
         plan.predictedError += worst + worstDetail;
     }
 
-    const Scene &scene_;
-    const PlanOptions &options_;
-    std::vector<std::size_t> spread_;
-    std::vector<Vec2> greatestAlpha_;    // [materials] deformed
-    std::vector<float> leastAlpha_;      // [materials] deformed
-    std::vector<BvhForecast> forecasts_; // [objects]
-    PlannedScene planned_;
+    /// What a report shows beside the plan: fields over all frames, of the surfaces that are rendered, and what BVHs will cost.
+    void report(const Scene &of, std::size_t i) {
+        const bool askBvh = scene.render.frames.size() > 1 && deforms(of.objects[i]);
+        BvhForecast forecast(raysPerFrame(scene.render), options.costs.bvh);
+        const std::size_t stride = BvhForecast::stride(scene.render.frames.size());
+        overFrames(surfaceAt(i, planned.plan.meshes[i].subdivisionLevel), true, [&](std::size_t k) {
+            planned.fields[i].add(planned.surfaces[i]);
+            if (askBvh && k % stride == 0) forecast.add(planned.surfaces[i]);
+        });
+        if (askBvh) planned.plan.meshes[i].questions.push_back(forecast.question(planned.plan.bvh));
+    }
 };
 
-} // namespace
+ScenePlanner::ScenePlanner(const Scene &scene, const PlanOptions &options) : state_(std::make_unique<State>(scene, options)) {}
+ScenePlanner::~ScenePlanner() = default;
+
+ScenePlan ScenePlanner::decide(const PlanScales &scales, std::optional<float> tolerance) const {
+    const State &s = *state_;
+    if (s.options.full) return fullPlan(s.scene);
+    ScenePlan plan = defaultPlan(s.scene);
+    plan.tolerance = tolerance.value_or(kDefaultTolerance);
+    for (std::size_t i = 0; i < s.scene.objects.size(); ++i) s.planObject(i, scales, plan);
+    s.planMaterials(scales, !tolerance, plan);
+    plan.bvh = chooseBvh(s.scene, levelsOf(plan), s.options.costs.bvh);
+    return plan;
+}
+
+PlannedScene ScenePlanner::finish(ScenePlan plan) {
+    State &s = *state_;
+    s.planned.plan = std::move(plan);
+    if (s.options.report) s.planned.fields.resize(s.scene.objects.size());
+    for (std::size_t i = 0; i < s.scene.objects.size(); ++i) {
+        const Object &object = s.scene.objects[i];
+        const int level = s.planned.plan.meshes[i].subdivisionLevel;
+        if (s.choosesLevel(i) && s.scene.budget)
+            s.scene.budget->take(objectBytes(object, s.scene.render, level), "mesh " + quoted(object.name), "level " + std::to_string(level));
+        if (level != s.probeLevel(i)) s.planned.surfaces[i] = ObjectSurface();
+        if (s.options.report) s.report(s.scene, i);
+    }
+    return std::move(s.planned);
+}
+
+bool ScenePlanner::choosesLevels() const {
+    for (std::size_t i = 0; i < state_->facts.size(); ++i)
+        if (state_->choosesLevel(i)) return true;
+    return false;
+}
+
+int ScenePlanner::hardestFrame() const {
+    const State &s = *state_;
+    std::vector<float> hardness(s.spread.size(), 0.0F);
+    for (const ObjectFacts &fact : s.facts)
+        for (std::size_t k = 0; k < fact.hardness.size(); ++k) hardness[k] += fact.hardness[k];
+    const auto hardest = std::max_element(hardness.begin(), hardness.end());
+    const auto k = *hardest > 0 ? static_cast<std::size_t>(hardest - hardness.begin()) : s.spread.size() / 2;
+    return s.scene.render.frames[s.spread[k]];
+}
 
 ScenePlan defaultPlan(const Scene &scene) {
     check(scene);
@@ -213,7 +255,8 @@ ScenePlan fullPlan(const Scene &scene) {
 }
 
 PlannedScene planScene(const Scene &scene, const PlanOptions &options) {
-    return Planner(scene, options).plan();
+    ScenePlanner planner(scene, options);
+    return planner.finish(planner.decide({}, options.tolerance));
 }
 
 ScenePlan makePlan(const Scene &scene, std::optional<float> tolerance) {

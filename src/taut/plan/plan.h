@@ -11,6 +11,7 @@
 #include "taut/plan/gradient_field.h"
 #include "taut/plan/question.h"
 
+#include <memory>
 #include <optional>
 
 namespace taut {
@@ -39,12 +40,45 @@ struct DetailPlan {
     std::optional<Question> question;          ///< how it came to that; none where there is no map, or the material says itself
 };
 
+/// What predictions are multiplied by: what they were measured to be on a scene, over what the analysis takes them for.
+struct PlanScales {
+    float subdivision = 1;      ///< at kProbeLevel
+    float subdivisionRatio = 4; ///< from level to level
+    float stretch = 1;          ///< of V that is not followed, or by fewer numbers
+    float off = 1;              ///< of light that meets several facets and is left out
+    float compensation = 1;     ///< or compensated for
+    float detail = 1;           ///< of moments of maps
+};
+
+/// What a pilot found out about a choice.
+struct PilotFinding {
+    ChoiceValue value;
+    float predicted = 0; ///< error by the analysis; 0 where it says nothing
+    float error = 0;     ///< measured, relative RMS of the picture
+    float spread = 0;    ///< standard error of that
+    float noise = 0;     ///< relative RMS at one sample a pixel
+    float rays = 0;      ///< a sample
+};
+
+/// How an error of the picture that is asked for is split.
+struct ErrorBudget {
+    float error = 0;      ///< asked for, relative RMS
+    float bias = 0;       ///< of the models that are chosen, with its standard error
+    float noise = 0;      ///< what is left for noise: their squares make the square of `error`, less a reserve
+    int firstSamples = 4; ///< a pixel, before anything is known of the noise
+    float samples = 0;    ///< a pixel, foreseen; 0: unknown
+};
+
 struct ScenePlan {
     std::vector<MeshPlan> meshes;            ///< [scene.objects]
     std::vector<MultiscatterPlan> materials; ///< [scene.materials]
     std::vector<DetailPlan> details;         ///< [scene.materials]
     float bearableWaste = kBearableWaste;    ///< of the sampler of reflections
+    int maxEvents = 0;                       ///< scattering events on a path, where fewer than the scene's do; 0: the scene's
+    std::optional<Question> events;          ///< how it came to that
     BvhKind bvh = BvhKind::Rebuild;          ///< of what deforms, where more than one frame is asked for
+    std::vector<PilotFinding> pilots;        ///< none: predictions are the analysis's
+    std::optional<ErrorBudget> budget;       ///< where an error is asked for
     float tolerance = 0;
     float predictedError = 0; ///< of all that is saved, at most the tolerance; but for
     float errorInNoise = 0;   ///< light of several facets that is left out because it would bring more noise than that
@@ -64,6 +98,7 @@ inline constexpr float kDefaultTolerance = 0.01F;
 
 struct PlanOptions {
     std::optional<float> tolerance; ///< none: the default, and of multiple scattering no more than shows at the scene's samples a pixel
+    std::optional<float> error;     ///< of the picture, bias and noise together; the tolerance follows from it (planByPilots)
     bool full = false;              ///< the full plan, with what is asked for below
     bool report = false;            ///< for `taut info`: gradient fields over all frames, and the question of each mesh's BVH
     PlanCosts costs;
@@ -76,9 +111,32 @@ struct PlannedScene {
     std::vector<GradientField> fields;   ///< [scene.objects] over all frames, where a report was asked for
 };
 
-/// The cheapest model whose predicted error stays below the tolerance over the scene's frames, whatever its noise. Evaluates the objects
-/// that deform at up to kPlanFrames frames, for a report at all. Surfaces refer to the scene's
-/// objects until a renderer takes them over.
+/// Makes plans of one scene: looks at it once, decides as often as wanted.
+class ScenePlanner {
+  public:
+    /// Evaluates the objects that deform at up to kPlanFrames frames. Keeps references to both.
+    ScenePlanner(const Scene &scene, const PlanOptions &options);
+    ~ScenePlanner();
+    ScenePlanner(const ScenePlanner &) = delete;
+    ScenePlanner &operator=(const ScenePlanner &) = delete;
+
+    /// The cheapest model whose predicted error stays below the tolerance over the scene's frames, whatever its noise; none given: as in
+    /// PlanOptions.
+    [[nodiscard]] ScenePlan decide(const PlanScales &scales, std::optional<float> tolerance) const;
+    /// What is built for a plan, and for a report all over the frames. Surfaces refer to the scene's objects until a renderer takes them
+    /// over. Once; takes what the surfaces need from the scene's budget.
+    PlannedScene finish(ScenePlan plan);
+    /// Among the scene's frames, the one whose meshes are hardest to do with fewer faces; the middle one where that is all the same.
+    [[nodiscard]] int hardestFrame() const;
+    /// Whether any mesh's level is the plan's.
+    [[nodiscard]] bool choosesLevels() const;
+
+  private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+/// By analysis alone.
 PlannedScene planScene(const Scene &scene, const PlanOptions &options = {});
 
 /// The plan alone.

@@ -41,6 +41,7 @@ constexpr std::array<QuestionNames, std::variant_size_v<ChoiceValue>> kQuestions
     {"multiscatter", "ns a hit at equal noise"},
     {"bvh", "ms a frame, slower rays included"},
     {"texture detail", "samples for equal noise"},
+    {"events", "rays a sample"},
 }};
 
 const QuestionNames &namesOf(const Question &question) {
@@ -49,6 +50,7 @@ const QuestionNames &namesOf(const Question &question) {
 
 std::string printed(const ChoiceValue &value, std::string_view ValueNames::*name) {
     if (const auto *level = std::get_if<SubdivisionLevel>(&value)) return "level " + std::to_string(level->level);
+    if (const auto *limit = std::get_if<EventLimit>(&value)) return "at most " + std::to_string(limit->events);
     if (const auto *estimator = std::get_if<GradientEstimator>(&value)) return nameOf(*estimator);
     if (const auto *interpolation = std::get_if<GradientInterpolation>(&value)) return nameOf(*interpolation);
     const auto *found = std::find_if(std::begin(kValues), std::end(kValues), [&](const ValueNames &v) { return v.value == value; });
@@ -56,6 +58,10 @@ std::string printed(const ChoiceValue &value, std::string_view ValueNames::*name
 }
 
 } // namespace
+
+void scaleErrors(Question &question, float factor) {
+    for (Choice &choice : question.choices) choice.error *= factor;
+}
 
 void take(Question &question, float &left) {
     const auto fits = [&](const Choice &choice) { return choice.error <= left; };

@@ -25,6 +25,12 @@ struct SubdivisionLevel {
     bool operator==(const SubdivisionLevel &) const = default;
 };
 
+/// How many scattering events a path has at most.
+struct EventLimit {
+    int events = 0;
+    bool operator==(const EventLimit &) const = default;
+};
+
 /// What a frame does to the BVHs of the meshes that deform.
 enum class BvhKind {
     Refit,   ///< BVHs that can be refitted; built anew in the frames where that costs less (bvh_policy.h)
@@ -32,7 +38,8 @@ enum class BvhKind {
 };
 
 /// The kind of value says which question it answers.
-using ChoiceValue = std::variant<SubdivisionLevel, StretchModel, GradientInterpolation, GradientEstimator, Multiscatter, BvhKind, TextureDetail>;
+using ChoiceValue =
+    std::variant<SubdivisionLevel, StretchModel, GradientInterpolation, GradientEstimator, Multiscatter, BvhKind, TextureDetail, EventLimit>;
 
 /// One way to do something, with what it is predicted to lose and to cost.
 struct Choice {
@@ -51,10 +58,13 @@ struct Question {
     template <class Value> [[nodiscard]] Value answer() const { return std::get<Value>(choices[taken].value); }
 };
 
+/// Multiplies predicted errors: what they are on a scene where that is known, over what they were taken for.
+void scaleErrors(Question &question, float factor);
+
 /// Takes the cheapest choice whose error fits into what is left, and spends it. The last choice is the model itself, without error.
 void take(Question &question, float &left);
 
-/// "subdivision", "stretch", "interpolation", "gradient", "multiscatter", "bvh" or "texture detail".
+/// "subdivision", "stretch", "interpolation", "gradient", "multiscatter", "bvh", "texture detail" or "events".
 std::string_view nameOf(const Question &question);
 /// The unit of its costs: "ns a hit", "ns a vertex" (and frame), ...
 std::string_view unitOf(const Question &question);

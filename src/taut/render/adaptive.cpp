@@ -14,58 +14,24 @@ namespace {
 /// Blocks darker than this share of the mean need not be quieter in absolute terms.
 constexpr double kDark = 0.1;
 
-/// The ring through the pattern: colour by row and column, and the step from each colour to the next (the pattern repeats, so that
-/// a step out of it leads into the next copy).
-constexpr std::array<std::array<int, 3>, 3> kPattern{{{0, 1, 2}, {4, 5, 3}, {8, 6, 7}}};
-constexpr std::array<std::array<int, 2>, AdaptiveBlocks::kColours> kSteps{
-    {{1, 0}, {1, 0}, {0, 1}, {1, 0}, {1, 0}, {0, 1}, {1, 0}, {1, 0}, {0, 1}}};
-
-int modulo3(int i) {
-    return ((i % 3) + 3) % 3;
-}
-
 } // namespace
 
-int AdaptiveBlocks::colourAt(int column, int row) {
-    return kPattern[static_cast<std::size_t>(modulo3(row))][static_cast<std::size_t>(modulo3(column))];
-}
-
-std::array<int, 2> AdaptiveBlocks::towardsGuide(int column, int row) {
-    return kSteps[static_cast<std::size_t>(colourAt(column, row))];
-}
-
 AdaptiveBlocks::AdaptiveBlocks(const Window &window, double noise, int most)
-    : window_(window), level_(noise), most_(most), growth_(std::max(2.0, std::pow(static_cast<double>(most) / kPilot, 1.0 / kDecisions))),
-      firstColumn_(window.x0 / kSide), firstRow_(window.y0 / kSide), last_(std::min(most, kPilot)) {
-    columns_ = (window.x1 - 1) / kSide - firstColumn_ + 1;
-    rows_ = (window.y1 - 1) / kSide - firstRow_ + 1;
-    noise_.resize(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_));
+    : grid_(window), level_(noise), most_(most), growth_(std::max(2.0, std::pow(static_cast<double>(most) / kPilot, 1.0 / kDecisions))),
+      last_(std::min(most, kPilot)), noise_(grid_.size()) {
     for (Index i = 0; i < noise_.size(); ++i) active_.push_back(i);
 }
 
-Window AdaptiveBlocks::windowOf(Index block) const {
-    const int column = firstColumn_ + static_cast<int>(block) % columns_;
-    const int row = firstRow_ + static_cast<int>(block) / columns_;
-    return {std::max(window_.x0, column * kSide), std::max(window_.y0, row * kSide), std::min(window_.x1, (column + 1) * kSide),
-            std::min(window_.y1, (row + 1) * kSide)};
-}
-
 bool AdaptiveBlocks::isQuiet(Index block) const {
-    const int column = static_cast<int>(block) % columns_;
-    const int row = static_cast<int>(block) / columns_;
-    const auto [dx, dy] = towardsGuide(firstColumn_ + column, firstRow_ + row);
-    const int guideColour = (colourAt(firstColumn_ + column, firstRow_ + row) + 1) % kColours;
+    const auto guideColour = static_cast<std::size_t>((grid_.colourOf(block) + 1) % BlockGrid::kColours);
     bool guided = false;
-    for (const int step : {1, -2}) { // the pattern repeats every three blocks
-        const int guideColumn = column + step * dx;
-        const int guideRow = row + step * dy;
-        if (guideColumn < 0 || guideColumn >= columns_ || guideRow < 0 || guideRow >= rows_) continue;
+    for (const std::optional<Index> &next : grid_.nextOnRing(block)) {
+        if (!next) continue;
         guided = true;
-        const BlockNoise &guide =
-            noise_[static_cast<std::size_t>(guideRow) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(guideColumn)];
+        const BlockNoise &guide = noise_[*next];
         // What a guide that has stopped would have with as many samples.
         const double variance = guide.variance * guide.samples / last_;
-        const double allowed = level_ * std::max(guide.luminance, floor_[static_cast<std::size_t>(guideColour)]);
+        const double allowed = level_ * std::max(guide.luminance, floor_[guideColour]);
         if (!(variance <= allowed * allowed)) return false;
     }
     return guided;
@@ -73,15 +39,14 @@ bool AdaptiveBlocks::isQuiet(Index block) const {
 
 void AdaptiveBlocks::decide() {
     if (decisions_ == 0) {
-        std::array<double, kColours> sums{};
-        std::array<double, kColours> counts{};
+        std::array<double, BlockGrid::kColours> sums{};
+        std::array<double, BlockGrid::kColours> counts{};
         for (Index i = 0; i < noise_.size(); ++i) {
-            const auto colour = static_cast<std::size_t>(
-                colourAt(firstColumn_ + static_cast<int>(i) % columns_, firstRow_ + static_cast<int>(i) / columns_));
+            const auto colour = static_cast<std::size_t>(grid_.colourOf(i));
             sums[colour] += noise_[i].luminance;
             counts[colour] += 1;
         }
-        for (std::size_t c = 0; c < kColours; ++c) floor_[c] = counts[c] > 0 ? kDark * sums[c] / counts[c] : 0;
+        for (std::size_t c = 0; c < BlockGrid::kColours; ++c) floor_[c] = counts[c] > 0 ? kDark * sums[c] / counts[c] : 0;
     }
     first_ = last_;
     if (last_ >= most_) {

@@ -11,6 +11,7 @@
 ///
 /// Decisions follow from sums alone, so the same seed gives the same bits for any number of threads.
 
+#include "taut/render/block_grid.h"
 #include "taut/render/film.h"
 
 #include <array>
@@ -27,10 +28,8 @@ struct BlockNoise {
 
 class AdaptiveBlocks {
   public:
-    static constexpr int kSide = 4;   ///< pixels
     static constexpr int kPilot = 16; ///< samples of the first pass
-    static constexpr int kColours = 9;
-    static constexpr int kDecisions = kColours - 1;
+    static constexpr int kDecisions = BlockGrid::kColours - 1;
 
     /// Samples the pixels of `window` until the standard error of a pixel's luminance is `noise` times the luminance around it (but
     /// at least a tenth of the mean over the blocks asked), or `most` samples a pixel are reached.
@@ -39,9 +38,11 @@ class AdaptiveBlocks {
     /// The pass to be made: samples [first, last) of every pixel of the active blocks. None are active when all is done.
     [[nodiscard]] int first() const { return first_; }
     [[nodiscard]] int last() const { return last_; }
+    [[nodiscard]] int firstOf(Index) const { return first_; }
+    [[nodiscard]] int lastOf(Index) const { return last_; }
     [[nodiscard]] int most() const { return most_; }
     [[nodiscard]] const std::vector<Index> &active() const { return active_; }
-    [[nodiscard]] Window windowOf(Index block) const;
+    [[nodiscard]] Window windowOf(Index block) const { return grid_.windowOf(block); }
 
     /// What the pass found; from any thread, once for every active block.
     void report(Index block, const BlockNoise &noise) { noise_[block] = noise; }
@@ -55,21 +56,16 @@ class AdaptiveBlocks {
     /// Share of the work that is surely done, for progress.
     [[nodiscard]] double done() const;
 
-    /// Colour of a block by its place in the frame, counted in blocks; and the way to the neighbour of the next colour.
-    static int colourAt(int column, int row);
-    static std::array<int, 2> towardsGuide(int column, int row);
-
   private:
     [[nodiscard]] bool isQuiet(Index block) const;
 
-    Window window_;
+    BlockGrid grid_;
     double level_;
     int most_;
     double growth_; // samples after a pass over those before
-    int columns_ = 0, rows_ = 0, firstColumn_ = 0, firstRow_ = 0;
     int first_ = 0, last_ = 0;
     int decisions_ = 0;
-    std::array<double, kColours> floor_{}; // a tenth of the mean luminance of the blocks of each colour after the first pass
+    std::array<double, BlockGrid::kColours> floor_{}; // a tenth of the mean luminance of the blocks of each colour after the first pass
     std::vector<BlockNoise> noise_;        // [blocks]
     std::vector<Index> active_;
 };

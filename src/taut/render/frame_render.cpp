@@ -3,7 +3,7 @@
 #include "taut/base/error.h"
 #include "taut/base/parallel.h"
 #include "taut/base/sobol.h"
-#include "taut/render/adaptive.h"
+#include "taut/render/frame_window.h"
 #include "taut/render/light_groups.h"
 
 #include <tbb/enumerable_thread_specific.h>
@@ -21,56 +21,20 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr int kTile = 16;
-/// Blocks of adaptive sampling that one task traces.
-constexpr std::size_t kBlocksATask = 8;
+constexpr int kTile = AdaptivePasses::kTile;
+/// What the seed of random numbers beside the film's is hashed with.
+constexpr std::uint32_t kOtherNumbers = 0x0c047201;
 constexpr std::string_view kMagic = "taut frame 1\n";
-
-/// The tiles of the frame's own grid, as far as they lie in the window.
-std::vector<Window> tilesOf(const Window &window) {
-    std::vector<Window> tiles;
-    for (int y = window.y0 / kTile * kTile; y < window.y1; y += kTile)
-        for (int x = window.x0 / kTile * kTile; x < window.x1; x += kTile)
-            tiles.push_back(
-                {std::max(x, window.x0), std::max(y, window.y0), std::min(x + kTile, window.x1), std::min(y + kTile, window.y1)});
-    return tiles;
-}
 
 struct Worker {
     PathTracer tracer;
     StageTimes times;
     RayCounts counts;
-    BlockScratch scratch;
+    PassScratch scratch;
 };
 
 double secondsSince(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-Window windowOf(const FrameOptions &options, const RenderSettings &render) {
-    return options.window.empty() ? Window{0, 0, render.width, render.height} : options.window;
-}
-
-/// The window, if the scene's budget has the memory for its film and the image made of it: of R, G, B and A, for what else is wanted is
-/// asked for by hand.
-Window affordable(const Scene &scene, const Window &window) {
-    if (!scene.budget || window.empty()) return window;
-    constexpr std::size_t channels = 4;
-    const double pixel = 2 * sizeof(std::uint32_t) + static_cast<double>(channels) * (sizeof(ExactSum) + sizeof(float));
-    scene.budget->require(pixel * window.width() * window.height(), scene.path,
-                          "a picture of " + std::to_string(window.width()) + " x " + std::to_string(window.height()) + " pixels of " +
-                              std::to_string(channels) + " channels");
-    return window;
-}
-
-void checkOptions(const FrameOptions &options, const RenderSettings &render) {
-    const Window whole{0, 0, render.width, render.height};
-    if (options.spp < 1) throw InputError("frame: found " + std::to_string(options.spp) + " samples a pixel, expected at least 1");
-    if (options.firstSample < 0 || options.firstSample > (1 << 30))
-        throw InputError("frame: found first sample " + std::to_string(options.firstSample) + ", expected 0 to 2^30");
-    if (options.noise && options.firstSample > 0)
-        throw InputError("frame: found a first sample of an adaptive frame, expected all of its samples together");
-    if (!whole.contains(windowOf(options, render))) throw InputError("frame: found a window beyond the frame, expected one within");
 }
 
 } // namespace
@@ -80,17 +44,18 @@ struct FrameRender::State {
         : options(options_),
           film(affordable(scene_.scene(), windowOf(options_, scene_.scene().render)), options_.aovs, layersOf(options_.layers, scene_.scene()),
                options_.denoiseBlock),
-          layers(layerTables(scene_, film.layers())), materials(prepareMaterials(scene_.scene(), scene_.plan())), workers([&scene_, this] {
-              const RenderSettings &render = scene_.scene().render;
-              return Worker{PathTracer(scene_, materials,
-                                       {render.width, render.height, render.maxEvents, render.boxFilter, options.seed, options.record,
-                                        film.layers().hasSums() ? &layers : nullptr, options.independent, options.oneByOne, options.before}),
-                            {},
-                            {},
-                            {}};
+          layers(layerTables(scene_, film.layers())), materials(prepareMaterials(scene_.scene(), scene_.plan())),
+          workers([&scene_, this] { return Worker{PathTracer(scene_, materials, settingsOf(scene_, options.seed)), {}, {}, {}}; }),
+          otherWorkers([&scene_, this] {
+              TraceSettings settings = settingsOf(scene_, hash(options.seed, kOtherNumbers));
+              settings.record = nullptr;
+              settings.layers = nullptr;
+              settings.before = nullptr;
+              return Worker{PathTracer(scene_, materials, settings), {}, {}, {}};
           }),
           tiles(tilesOf(film.window())), tileLocks(tiles.size()) {
-        if (options.noise) blocks.emplace(film.window(), *options.noise, options.spp);
+        if (options.noise) passes.emplace(film.window(), *options.noise, options.spp);
+        if (options.picture) passes.emplace(film.window(), *options.picture, options.spp, options.seed);
     }
 
     FrameOptions options;
@@ -98,9 +63,10 @@ struct FrameRender::State {
     LayerTables layers;
     std::vector<PreparedMaterial> materials;
     tbb::enumerable_thread_specific<Worker> workers;
+    tbb::enumerable_thread_specific<Worker> otherWorkers; ///< with other random numbers, for what is not in the film
     std::vector<Window> tiles;
     mutable std::vector<std::mutex> tileLocks; ///< [tiles], of the film's pixels; a block of adaptive sampling lies in one tile
-    std::optional<AdaptiveBlocks> blocks;
+    std::optional<AdaptivePasses> passes;
 
     mutable std::mutex running; ///< held by advance(), and by what must not go on beside it
     std::atomic<bool> stopAsked{false};
@@ -118,16 +84,22 @@ struct FrameRender::State {
         return static_cast<std::uint64_t>(film.window().width()) * static_cast<std::uint64_t>(film.window().height());
     }
     [[nodiscard]] double share() const {
-        if (blocks) return adaptiveShare;
+        if (passes) return adaptiveShare;
         return std::min(1.0, static_cast<double>(pixelSamples) / (static_cast<double>(pixels()) * options.spp));
     }
-    [[nodiscard]] bool done() const { return blocks ? blocks->active().empty() : pixelSamples >= pixels() * options.spp; }
+    [[nodiscard]] bool done() const { return passes ? passes->pieces().empty() : pixelSamples >= pixels() * options.spp; }
 
     /// Samples that a tile has.
     [[nodiscard]] int samplesOf(const Window &tile) const { return static_cast<int>(film.samplesAt(tile.x0, tile.y0)); }
     /// Whether work should not be started any more.
     [[nodiscard]] bool isOver() const { return stopAsked || (hasDeadline && gotFurther && Clock::now() >= deadline); }
 
+    [[nodiscard]] TraceSettings settingsOf(const RenderScene &scene, std::uint32_t seed) const {
+        const RenderSettings &render = scene.scene().render;
+        const int limit = scene.plan().maxEvents;
+        return {render.width, render.height, limit > 0 ? limit : render.maxEvents, render.boxFilter, seed, options.record,
+                film.layers().hasSums() ? &layers : nullptr, options.independent, options.oneByOne, options.before};
+    }
     void tell();
     [[nodiscard]] std::size_t tileAt(int x, int y) const {
         const Window &w = film.window();
@@ -137,6 +109,7 @@ struct FrameRender::State {
     void advanceEvenly(const FrameBudget &budget);
     void advanceTile(std::size_t i, int last);
     void advanceAdaptively(bool onePass);
+    [[nodiscard]] std::vector<std::vector<double>> renderAgain(const std::vector<PassPiece> &pieces);
     void saveHead(std::ostream &out) const;
     void checkHead(std::istream &in) const;
 };
@@ -180,28 +153,46 @@ void FrameRender::State::advanceEvenly(const FrameBudget &budget) {
     }
 }
 
+/// Means of R, G, B of pieces of the frame with other random numbers than the film's. None where it was stopped.
+std::vector<std::vector<double>> FrameRender::State::renderAgain(const std::vector<PassPiece> &pieces) {
+    std::vector<std::vector<double>> means(pieces.size());
+    parallelFor(pieces.size(), 1, [&](std::size_t i) {
+        const Window &window = pieces[i].window;
+        Film other(window, {});
+        std::mutex lock;
+        Worker &worker = otherWorkers.local();
+        if (isOver() || !worker.tracer.traceTile(window, 0, pieces[i].last, {other, lock, stopAsked}, worker.times, worker.counts)) return;
+        ColourSums::fill(other, window, means[i]);
+        for (double &value : means[i]) value /= pieces[i].last;
+    });
+    const bool whole = std::none_of(means.begin(), means.end(), [](const auto &m) { return m.empty(); });
+    return whole ? means : std::vector<std::vector<double>>{};
+}
+
 /// As many samples for each block as the noise of others asks for.
 void FrameRender::State::advanceAdaptively(bool onePass) {
-    while (!blocks->active().empty() && !isOver()) {
-        parallelFor(blocks->active().size(), kBlocksATask, [&](std::size_t i) {
-            const Index block = blocks->active()[i];
-            const Window window = blocks->windowOf(block);
-            // A pass over a block is made whole or not at all.
-            if (isOver() || film.samplesAt(window.x0, window.y0) >= static_cast<std::uint32_t>(blocks->last())) return;
+    const auto isMade = [&](const PassPiece &piece) {
+        return film.samplesAt(piece.window.x0, piece.window.y0) >= static_cast<std::uint32_t>(piece.last);
+    };
+    while (!passes->pieces().empty() && !isOver()) {
+        const std::vector<PassPiece> &pieces = passes->pieces();
+        parallelFor(pieces.size(), passes->piecesATask(), [&](std::size_t i) {
+            if (isOver() || isMade(pieces[i])) return; // a pass over a piece is made whole or not at all
             Worker &worker = workers.local();
             static const std::atomic<bool> kGoOn{false};
-            samplePass(*blocks, block, film, worker.scratch, [&](const Window &part, int first, int last) {
+            passes->make(pieces[i], film, worker.scratch, [&](const Window &part, int first, int last) {
+                const std::uint64_t before = worker.counts.rays();
                 worker.tracer.traceTile(part, first, last, {film, tileLocks[tileAt(part.x0, part.y0)], kGoOn}, worker.times, worker.counts);
+                return worker.counts.rays() - before;
             });
             gotFurther = true;
         });
-        const bool whole = std::all_of(blocks->active().begin(), blocks->active().end(), [&](Index block) {
-            const Window window = blocks->windowOf(block);
-            return film.samplesAt(window.x0, window.y0) >= static_cast<std::uint32_t>(blocks->last());
-        });
-        if (!whole) return;
-        blocks->decide();
-        adaptiveShare = blocks->done();
+        if (!std::all_of(pieces.begin(), pieces.end(), isMade)) return;
+        const std::vector<PassPiece> controls = passes->controls();
+        const std::vector<std::vector<double>> again = renderAgain(controls);
+        if (again.size() < controls.size()) return;
+        passes->decide(film, controls, again);
+        adaptiveShare = passes->share();
         tell();
         if (onePass) return;
     }
@@ -220,7 +211,7 @@ FrameState FrameRender::advance(const FrameBudget &budget) {
     s.hasDeadline = budget.seconds > 0;
     if (s.hasDeadline) s.deadline = start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(budget.seconds));
     s.gotFurther = false;
-    if (s.blocks)
+    if (s.passes)
         s.advanceAdaptively(budget.samples > 0);
     else
         s.advanceEvenly(budget);
@@ -262,17 +253,24 @@ Film FrameRender::takeFilm() && {
     return std::move(state_->film);
 }
 
+std::optional<PictureNoiseReached> FrameRender::reached() const {
+    const std::lock_guard lock(state_->running);
+    return state_->passes ? state_->passes->reached() : std::nullopt;
+}
+
 StageTimes FrameRender::times() const {
     const std::lock_guard lock(state_->running);
     StageTimes times;
-    for (const Worker &worker : state_->workers) times += worker.times;
+    for (const auto *workers : {&state_->workers, &state_->otherWorkers})
+        for (const Worker &worker : *workers) times += worker.times;
     return times;
 }
 
 RayCounts FrameRender::counts() const {
     const std::lock_guard lock(state_->running);
     RayCounts counts;
-    for (const Worker &worker : state_->workers) counts += worker.counts;
+    for (const auto *workers : {&state_->workers, &state_->otherWorkers})
+        for (const Worker &worker : *workers) counts += worker.counts;
     return counts;
 }
 
@@ -287,12 +285,13 @@ namespace {
 struct SavedHead {
     std::uint32_t seed = 0;
     std::int32_t firstSample = 0;
-    std::int32_t adaptive = 0;
+    std::int32_t adaptive = 0; ///< 1: to the noise of every pixel; 2: of the picture
     std::int32_t most = 0; ///< adaptive: samples a pixel
     double noise = 0;
 };
 
 SavedHead headOf(const FrameOptions &options) {
+    if (options.picture) return {options.seed, options.picture->firstSamples, 2, options.spp, options.picture->noise};
     return {options.seed, options.firstSample, options.noise ? 1 : 0, options.noise ? options.spp : 0, options.noise.value_or(0)};
 }
 
@@ -334,7 +333,7 @@ void FrameRender::save(std::ostream &out) const {
     const std::lock_guard lock(s.running);
     s.saveHead(out);
     s.film.save(out);
-    if (s.blocks) s.blocks->save(out);
+    if (s.passes) s.passes->save(out);
 }
 
 void FrameRender::restore(std::istream &in) {
@@ -347,23 +346,23 @@ void FrameRender::restore(std::istream &in) {
         throw InputError("saved frame: found other AOVs, expected those asked for");
     if (film.denoiseBlock() != s.film.denoiseBlock())
         throw InputError("saved frame: found other sums for denoising, expected those asked for");
-    std::optional<AdaptiveBlocks> blocks = s.blocks;
-    if (blocks) blocks->load(in);
+    std::optional<AdaptivePasses> passes = s.passes;
+    if (passes) passes->load(in);
     std::uint64_t pixelSamples = 0;
     for (const Window &tile : s.tiles)
         for (int y = tile.y0; y < tile.y1; ++y)
             for (int x = tile.x0; x < tile.x1; ++x) {
                 const std::uint32_t samples = film.samplesAt(x, y);
                 pixelSamples += samples;
-                if (!blocks && (samples != film.samplesAt(tile.x0, tile.y0) || samples > static_cast<std::uint32_t>(s.options.spp)))
+                if (!passes && (samples != film.samplesAt(tile.x0, tile.y0) || samples > static_cast<std::uint32_t>(s.options.spp)))
                     throw InputError("saved frame: found " + std::to_string(samples) +
                                      " samples in one pixel of a tile, expected at most " + std::to_string(s.options.spp) +
                                      ", and as many in each");
             }
     s.film = std::move(film);
-    s.blocks = std::move(blocks);
+    s.passes = std::move(passes);
     s.pixelSamples = pixelSamples;
-    if (s.blocks) s.adaptiveShare = s.blocks->done();
+    if (s.passes) s.adaptiveShare = s.passes->share();
 }
 
 Film FrameRender::savedFilm(std::istream &in) {
@@ -393,7 +392,8 @@ FrameResult renderFrame(const RenderScene &scene, const FrameOptions &options) {
     while (state == FrameState::Going && !(inPasses && secondsSince(start) >= *options.seconds));
     const StageTimes times = frame.times();
     const RayCounts counts = frame.counts();
-    return {std::move(frame).takeFilm(), times, counts, secondsSince(start), state != FrameState::Stopped};
+    const std::optional<PictureNoiseReached> reached = frame.reached();
+    return {std::move(frame).takeFilm(), times, counts, reached, secondsSince(start), state != FrameState::Stopped};
 }
 
 } // namespace taut

@@ -6,6 +6,7 @@
 /// budgets, the stops, the threads, the order of passes, and the split of samples (FrameOptions::firstSample) or pixels (window) over
 /// films that are merged. The one exception is a limit in seconds, which decides how many samples there are.
 
+#include "taut/render/adaptive_passes.h"
 #include "taut/render/film.h"
 #include "taut/render/image_file.h"
 #include "taut/render/integrator.h"
@@ -21,10 +22,11 @@ namespace taut {
 inline constexpr int kTimedPass = 4;
 
 struct FrameOptions {
-    int spp = 64;                    ///< samples a pixel; the upper bound where `seconds` or `noise` are given
+    int spp = 64;                    ///< samples a pixel; the upper bound where `seconds`, `noise` or `picture` are given
     int firstSample = 0;             ///< number of the first of them: films of samples [0, n) and [n, m) merge into one of [0, m)
     std::optional<double> seconds{}; ///< of renderFrame: stop after the pass in which this much time is over
     std::optional<double> noise{};   ///< adaptive sampling to this relative noise (adaptive.h); firstSample is 0 then
+    std::optional<PictureGoal> picture{}; ///< or to this noise of the picture
     Window window{};                 ///< pixels to render; empty: the whole frame
     std::vector<Aov> aovs{};
     FilmLayers layers{};                 ///< their light groups are those of the scene, whatever is given
@@ -87,6 +89,8 @@ class FrameRender {
     /// The film of what save() wrote, whatever frame that is of. Throws InputError where it is damaged.
     static Film savedFilm(std::istream &in);
 
+    /// What adaptive sampling to the noise of the picture knows about it; none of other frames.
+    [[nodiscard]] std::optional<PictureNoiseReached> reached() const;
     /// Of all advance() calls together.
     [[nodiscard]] StageTimes times() const;
     [[nodiscard]] RayCounts counts() const;
@@ -101,6 +105,7 @@ struct FrameResult {
     Film film;
     StageTimes times; ///< rendering stages only
     RayCounts counts;
+    std::optional<PictureNoiseReached> reached; ///< as in FrameRender
     double seconds = 0;   ///< wall clock
     bool complete = true; ///< false: the progress function stopped it
 };

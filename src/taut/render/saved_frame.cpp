@@ -177,8 +177,8 @@ std::string textOf(const FramePart &part) {
 
 FrameOptions optionsOfPart(const FrameOptions &whole, const FramePart &part, const RenderSettings &render) {
     if (part.count == 1) return whole;
-    if (whole.noise || whole.seconds)
-        throw InputError("shard " + textOf(part) + ": found a frame to a noise level or time, expected a number of samples");
+    if (whole.noise || whole.picture || whole.seconds)
+        throw InputError("shard " + textOf(part) + ": found a frame to an error, noise level or time, expected a number of samples");
     FrameOptions options = whole;
     if (part.by == SplitBy::Samples) {
         if (whole.spp < part.count)
@@ -227,6 +227,7 @@ FrameFacts settingFacts(const Scene &scene, const FrameOptions &whole, int frame
                      {"pixels", text(w.x0) + "," + text(w.y0) + "," + text(w.x1) + "," + text(w.y1)},
                      {"samples a pixel", text(whole.spp)},
                      {"noise level", whole.noise ? formatNumber(*whole.noise) : "none"},
+                     {"noise of the picture", whole.picture ? formatNumber(whole.picture->noise) : "any"},
                      {"time a frame", whole.seconds ? formatNumber(*whole.seconds) + " s" : "any"},
                      {"seed", text(whole.seed) + (whole.independent ? ", samples independent" : "")},
                      {"AOVs", aovs.empty() ? "none" : aovs}};
