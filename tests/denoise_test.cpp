@@ -51,11 +51,14 @@ Film filmOf(const Window &window, int spp, unsigned seed, const std::function<Se
                 const Vec3 radiance = seen.colour * (1 + seen.noise * uniform(random));
                 if (s < first || (last >= 0 && s >= last)) continue;
                 film.add(x, y, radiance, seen.hits ? 1.0F : 0.0F, nullptr);
-                film.denoiseSums()->add(x, y, static_cast<std::uint32_t>(s), radiance);
+                film.denoiseSums()->add(x, y, static_cast<std::uint32_t>(s), radiance, seen.hits);
             }
             FeatureMeans means;
-            means.add(seen.hits ? seen.features.data() : nullptr, seen.hits, seen.hits);
-            film.denoiseSums()->tell(x, y, means.rounded());
+            if (!seen.hits)
+                means.addNothing(false, false);
+            else if (means.addHit(0, 1))
+                means.tell(seen.features.data(), true);
+            film.denoiseSums()->tell(x, y, means.rounded(false));
         }
     return film;
 }
@@ -231,7 +234,7 @@ TEST_CASE("denoise: one bright sample neither stays nor spreads", "[denoise]") {
     const Window window{0, 0, 33, 33};
     Film film = filmOf(window, 16, 5, [](int, int) { return Seen{Vec3(1), 0.5F, true, flat()}; });
     film.add(16, 16, Vec3(1e5F), 1, nullptr);
-    film.denoiseSums()->add(16, 16, 0, Vec3(1e5F));
+    film.denoiseSums()->add(16, 16, 0, Vec3(1e5F), true);
     const Denoised d = denoise(film);
     for (int y = 0; y < 33; ++y)
         for (int x = 0; x < 33; ++x) CHECK(at(d, window, x, y) == Approx(1).margin(0.25));
@@ -309,6 +312,32 @@ TEST_CASE("denoise: the same bits for any threads and any split, and the picture
     FrameRender plain(ready, options);
     saved.seekg(0);
     CHECK_THROWS_AS(plain.restore(saved), InputError);
+}
+
+TEST_CASE("denoise: what pixels see is told alike by crops and shards, and an outline is covered as it is", "[denoise]") {
+    Scene scene = smallScene(shearedTorus(64, 32), ggxMaterial(0.1F, 0.4F), 40);
+    scene.environment.reset();
+    RenderScene ready(scene, false);
+    ready.setFrame(2);
+    const Film whole = renderedFilm(ready, 4, 0, 4);
+    const Window part{9, 3, 30, 26};
+    const Film crop = renderedFilm(ready, 4, 2, 2, part);
+    const Film many = renderedFilm(ready, 1024, 0, 1024);
+    for (int y = part.y0; y < part.y1; ++y)
+        for (int x = part.x0; x < part.x1; ++x) CHECK(crop.denoiseSums()->featuresAt(x, y) == whole.denoiseSums()->featuresAt(x, y));
+    double probed = 0, sampled = 0;
+    for (int y = 0; y < 40; ++y)
+        for (int x = 0; x < 40; ++x) {
+            const PixelFeatures &f = whole.denoiseSums()->featuresAt(x, y);
+            const double truth = many.sumAt(x, y, 3).value() / 1024;
+            const double cover = static_cast<double>(f.covered) / static_cast<double>(PixelFeatures::kWhole);
+            if (f.edge == 0) CHECK(std::fabs(cover - truth) < 0.01);
+            if (f.edge == 0 || truth == 0 || truth == 1) continue;
+            probed += std::pow(cover - truth, 2);
+            sampled += std::pow(whole.sumAt(x, y, 3).value() / 4 - truth, 2);
+        }
+    CHECK(sampled > 0.1);
+    CHECK(probed < 0.2 * sampled);
 }
 
 TEST_CASE("denoise: the motion of a surface is where its points were", "[denoise]") {

@@ -151,10 +151,10 @@ std::vector<std::string> filmSeeds() {
     layered.addLayers(1, 0, Vec3(0.75F), {0x3f800000, 0, lights});
     Film halves({0, 0, 2, 1}, {}, {}, 2);
     halves.add(1, 0, Vec3(0.5F), 1, nullptr);
-    halves.denoiseSums()->add(1, 0, 0, Vec3(0.5F));
+    halves.denoiseSums()->add(1, 0, 0, Vec3(0.5F), true);
     FeatureMeans means;
-    means.add(nullptr, true, false);
-    halves.denoiseSums()->tell(1, 0, means.rounded());
+    means.addNothing(true, true);
+    halves.denoiseSums()->tell(1, 0, means.rounded(true));
     return {saved(plain), saved(named), saved(layered), saved(halves)};
 }
 

@@ -1,5 +1,6 @@
 /// taut chart denoise: pictures before and after the denoiser against 4,096 samples, at the same number of samples and at the same time;
-/// widths of a highlight; flicker; time and memory.
+/// widths of a highlight; flicker; time and memory. The environment variable TAUT_REFERENCES names a folder where the references of the
+/// errors are kept for the next run; they take most of the time.
 
 #include "study/charts.h"
 #include "study/drawing/pictures.h"
@@ -14,6 +15,8 @@
 #include "taut/render/denoise_frames.h"
 
 #include <cmath>
+#include <cstdlib>
+#include <fstream>
 #include <limits>
 
 namespace taut::chart {
@@ -64,6 +67,21 @@ Taken take(const RenderScene &ready, int spp, int runs) {
     return taken;
 }
 
+/// The reference, or what an earlier run kept of it: floats, R G B, rows from the top.
+Pixels referenceOf(const RenderScene &ready, const std::string &name) {
+    const RenderSettings &render = ready.scene().render;
+    const char *folder = std::getenv("TAUT_REFERENCES");
+    const std::string path =
+        folder == nullptr ? "" : printed("%s/%s_%dx%d_%d.raw", folder, fileNameOf(name).c_str(), render.width, render.height, kReference);
+    Pixels truth(3 * static_cast<std::size_t>(render.width) * static_cast<std::size_t>(render.height));
+    const auto bytes = static_cast<std::streamsize>(truth.size() * sizeof(float));
+    if (folder != nullptr)
+        if (std::ifstream in(path, std::ios::binary); in.read(reinterpret_cast<char *>(truth.data()), bytes)) return truth;
+    truth = renderReady(ready, kReference, kReferenceSeed).values;
+    if (folder != nullptr) std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char *>(truth.data()), bytes);
+    return truth;
+}
+
 double meanFlip(const Pixels &image, const Pixels &reference, const RenderSettings &render) {
     return meanOf(flip(image, reference, render.width, render.height));
 }
@@ -84,10 +102,10 @@ void addErrors(const ChartOptions &options, Chart &chart) {
         RenderScene ready(atWidth(entry.make(), entry.width * options.pick(1, 2)), false);
         ready.setFrame(entry.frame);
         const RenderSettings &render = ready.scene().render;
-        const Pixels truth = renderReady(ready, kReference, kReferenceSeed).values;
+        const Pixels truth = referenceOf(ready, entry.name);
         std::vector<Pixels> strip;
         for (const int spp : kSamples) {
-            const Taken taken = take(ready, spp, spp > 16 ? 1 : 3);
+            const Taken taken = take(ready, spp, spp > 4 ? 1 : 3);
             const int same = std::max(spp, static_cast<int>(std::lround(spp * (taken.kept + taken.filter) / taken.plain)));
             const Pixels longer = coloursOf(renderFrame(ready, optionsOf(same, 1, false)).film);
             const double ratio = relativeMse(taken.denoised, truth) / relativeMse(longer, truth);
@@ -229,7 +247,7 @@ void addFlicker(const ChartOptions &options, Chart &chart) {
 }
 
 void addCosts(const ChartOptions &options, Chart &chart) {
-    const int width = options.pick(512, 1024);
+    const int width = options.pick(384, 1024);
     Table table{"costs",
                 printed("Time and memory a megapixel, all threads, at %d pixels wide", width),
                 {"scene", "spp", "render, s", "with sums kept, s", "denoising, s", "film, MB", "with sums, MB", "while denoising, MB more"},

@@ -22,7 +22,7 @@ Scene load(const std::string &path, const std::vector<std::string> &overrides = 
 
 void addDemo(std::vector<DenoiseScene> &scenes, const std::string &name, double frame) {
     const std::string path = std::string(TAUT_DEMO_SCENES) + "/" + name + ".toml";
-    if (fs::exists(path)) scenes.push_back({name, frame, 120, [path] { return load(path); }});
+    if (fs::exists(path)) scenes.push_back({name, frame, 256, [path] { return load(path); }});
 }
 
 } // namespace
@@ -30,7 +30,7 @@ void addDemo(std::vector<DenoiseScene> &scenes, const std::string &name, double 
 std::vector<DenoiseScene> denoiseScenes() {
     std::vector<DenoiseScene> scenes;
     for (const BenchScene &bench : benchScenes())
-        if (bench.name != "deforming 1.2M") scenes.push_back({bench.name, static_cast<double>(bench.frames), 64, bench.make});
+        if (bench.name != "deforming 1.2M") scenes.push_back({bench.name, static_cast<double>(bench.frames), 256, bench.make});
     addDemo(scenes, "panel", 18);
     addDemo(scenes, "body", 18);
     addDemo(scenes, "plates", 2);
@@ -39,7 +39,7 @@ std::vector<DenoiseScene> denoiseScenes() {
     const std::string scene = std::string(TAUT_BLENDER_SCENES) + "/character.toml";
     if (character != nullptr && fs::exists(scene))
         scenes.push_back(
-            {"character", 12, 120, [scene, file = fs::absolute(character).string()] { return load(scene, {"mesh.0.file=" + file}); }});
+            {"character", 12, 256, [scene, file = fs::absolute(character).string()] { return load(scene, {"mesh.0.file=" + file}); }});
     return scenes;
 }
 

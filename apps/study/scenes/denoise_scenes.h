@@ -12,7 +12,7 @@ namespace taut::chart {
 struct DenoiseScene {
     std::string name;
     double frame = 1;
-    int width = 64; ///< of pictures, pixels; twice that where there is time
+    int width = 256; ///< of pictures, pixels; twice that where there is time
     std::function<Scene()> make;
 };
 

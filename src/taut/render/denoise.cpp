@@ -14,7 +14,7 @@ namespace {
 /// Of the variance that halves show; no points stratify each other better than it is believed.
 constexpr float kLeastShared = 0.05F;
 /// Standard errors of a pixel that a filter may differ from it by.
-constexpr float kMostErrors = 2.5F;
+constexpr float kMostErrors = 3.5F;
 constexpr float kFewSamples = 4;
 /// Radius over which errors are averaged: one pixel says little of its own.
 constexpr int kErrorRadius = 4;
@@ -66,28 +66,6 @@ Guide guideOf(const DenoisePixels &p, const Regressed &r) {
     return guide;
 }
 
-/// Means around, of pixels where surfaces end and of the others by themselves: at an outline a filter errs in ways of its own.
-class Around {
-  public:
-    explicit Around(const DenoisePixels &p) : p_(p), edges_(p.edge) {
-        boxMean(edges_, p.width, p.height, kErrorRadius);
-    }
-    void average(Plane &error) const {
-        Plane atEdges(p_.count());
-        forPixels(p_, [&](std::size_t i) {
-            atEdges[i] = p_.edge[i] * error[i];
-            error[i] -= atEdges[i];
-        });
-        boxMean(atEdges, p_.width, p_.height, kErrorRadius);
-        boxMean(error, p_.width, p_.height, kErrorRadius);
-        forPixels(p_, [&](std::size_t i) { error[i] = p_.edge[i] > 0 ? atEdges[i] / edges_[i] : error[i] / (1 - edges_[i]); });
-    }
-
-  private:
-    const DenoisePixels &p_;
-    Plane edges_; // share of the pixels around
-};
-
 /// Share of what the halves' difference shows as the variance of their mean that is really there. Points that stratify each other err in
 /// opposite directions in the two, so that they differ by more than the mean errs; a prediction from one half, held against the other,
 /// bounds it.
@@ -104,7 +82,7 @@ Plane sharedVariance(const DenoisePixels &p, const Regressed &r, const Plane &br
             between[i] += p.variance[i] / brightness[i];
         }
     });
-    const Around around(p);
+    const Around around(p, kErrorRadius);
     around.average(apart);
     around.average(between);
     // Of halves alike: half of (V + D^2) twice, less D^2, is V.
@@ -146,6 +124,19 @@ Plane errorOfUnfiltered(const DenoisePixels &p, const Plane &brightness, const P
     return error;
 }
 
+/// The brightest that what covers a pixel may be, by the pixels around; of outlines before nothing.
+float brightestCover(const DenoisePixels &p, std::size_t i, std::size_t c) {
+    const int x = static_cast<int>(i % static_cast<std::size_t>(p.width));
+    const int y = static_cast<int>(i / static_cast<std::size_t>(p.width));
+    float most = 0;
+    for (int v = std::max(0, y - 1); v <= std::min(p.height - 1, y + 1); ++v)
+        for (int u = std::max(0, x - 1); u <= std::min(p.width - 1, x + 1); ++u) {
+            const std::size_t j = static_cast<std::size_t>(v) * static_cast<std::size_t>(p.width) + static_cast<std::size_t>(u);
+            if (p.cover[j] > 0) most = std::max(most, p.mean[c][j] / p.cover[j]);
+        }
+    return most;
+}
+
 /// What the samples of a pixel refute is not taken: a prediction stays within some of their standard errors. Those of few
 /// samples, which may all have missed the same light, are no less than what they are around.
 void holdToSamples(const DenoisePixels &p, Regressed &r) {
@@ -155,8 +146,12 @@ void holdToSamples(const DenoisePixels &p, Regressed &r) {
         if (p.trust[i] == 0) return;
         const float missed = std::min(1.0F, kFewSamples / std::max(1.0F, p.samples[i]));
         const float reach = kMostErrors * std::sqrt(std::max(p.variance[i], missed * around[i]));
-        for (ColourPlanes &half : r.half)
-            for (std::size_t c = 0; c < 3; ++c) half[c][i] = std::clamp(half[c][i], p.mean[c][i] - reach, p.mean[c][i] + reach);
+        const bool ends = p.edge[i] > 0 && p.cover[i] < 1;
+        for (std::size_t c = 0; c < 3; ++c) {
+            const float most = ends ? std::max(p.mean[c][i], p.cover[i] * brightestCover(p, i, c)) : p.mean[c][i] + reach;
+            for (ColourPlanes &half : r.half)
+                half[c][i] = std::clamp(half[c][i], p.mean[c][i] - reach, std::min(p.mean[c][i] + reach, most));
+        }
     });
 }
 
@@ -164,9 +159,10 @@ void holdToSamples(const DenoisePixels &p, Regressed &r) {
 class Blend {
   public:
     Blend(const DenoisePixels &p, const Plane &brightness, const Plane &shared)
-        : p_(p), brightness_(brightness), shared_(shared), around_(p), left_(errorOfUnfiltered(p, brightness, shared)), weights_(p.count()) {
+        : p_(p), brightness_(brightness), shared_(shared), around_(p, kErrorRadius), left_(errorOfUnfiltered(p, brightness, shared)),
+          weights_(p.count()) {
         out_.rgb.assign(3 * p.count(), 0);
-        out_.error.assign(p.count(), 0);
+        out_.error.assign(p.count(), kInfinity);
         around_.average(left_);
         Plane all = left_;
         add(all, p.trust, [&](std::size_t i, std::size_t c) { return p.mean[c][i]; });
@@ -181,9 +177,9 @@ class Blend {
 
     Denoised finish() && {
         forPixels(p_, [&](std::size_t i) {
+            out_.error[i] = out_.error[i] < kInfinity ? std::sqrt(out_.error[i] * brightness_[i]) : 0;
             if (!(weights_[i] > 0)) return;
             for (std::size_t c = 0; c < 3; ++c) out_.rgb[3 * i + c] /= weights_[i];
-            out_.error[i] = std::sqrt(out_.error[i] / weights_[i] * brightness_[i]);
         });
         return std::move(out_);
     }
@@ -204,7 +200,7 @@ class Blend {
             const float weight = 1 / (held * held);
             weights_[i] += weight;
             for (std::size_t c = 0; c < 3; ++c) out_.rgb[3 * i + c] += weight * colour(i, c);
-            out_.error[i] += weight * held;
+            out_.error[i] = std::min(out_.error[i], held);
         });
     }
 };

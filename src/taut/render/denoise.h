@@ -1,9 +1,9 @@
 #pragma once
-/// Takes the noise out of a picture: several joint filters of colour and features, and of each pixel the one whose error, estimated from
-/// two halves of the samples, is the least; the unfiltered picture is among them.
+/// Takes the noise out of a picture: several joint filters of colour and features, and of each pixel their mean by the inverse squares of
+/// their errors, which are estimated from two halves of the samples; the unfiltered picture is among them.
 ///
-/// Rousselle, Manzi, Zwicker: Robust Denoising using Feature and Color Information (Pacific Graphics 2013): several filters, error
-/// estimates, the best taken. The filters are those of denoise_regression.h. The same bits for any number of threads, and for a film that
+/// Rousselle, Manzi, Zwicker: Robust Denoising using Feature and Color Information (Pacific Graphics 2013): several filters and
+/// error estimates. The filters are those of denoise_regression.h. The same bits for any number of threads, and for a film that
 /// was merged or restored.
 
 #include "taut/render/film.h"

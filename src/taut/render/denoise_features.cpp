@@ -27,6 +27,11 @@ void put(float *out, const Vec3 &v) {
     for (int c = 0; c < 3; ++c) out[c] = v[c];
 }
 
+/// Probes of a pixel that meet an object at distances further apart have met it in two places.
+constexpr float kSameDistance = 0.1F;
+/// Probes of a surface in a pixel that tell what it is like.
+constexpr int kMostTold = 8;
+
 /// Steps of a unit that channels are kept in; 0: the upper half of a float.
 float stepsOf(int feature) {
     if (feature >= kMotion) return 65536;
@@ -141,42 +146,65 @@ float PixelFeatures::noiseOf(int which) const {
     return std::fabs(ofUpperHalf(noise[which]));
 }
 
-void FeatureMeans::add(const float *features, bool covered, bool motionKnown) {
+bool FeatureMeans::addHit(Index object, float distance) {
     ++probes_;
-    covered_ += covered ? 1 : 0;
-    if (features == nullptr) return;
-    ++hits_;
-    moving_ += motionKnown ? 1 : 0;
+    ++covered_;
+    ++met_;
+    const auto isSame = [&](const Surface &s) {
+        return s.object == object && std::fabs(s.distance - distance) <= kSameDistance * std::min(s.distance, distance);
+    };
+    const auto found = std::find_if(surfaces_.begin(), surfaces_.end(), isSame);
+    last_ = static_cast<std::size_t>(found - surfaces_.begin());
+    if (found == surfaces_.end()) surfaces_.push_back({object, distance});
+    ++surfaces_[last_].hits;
+    return surfaces_[last_].told < kMostTold;
+}
+
+void FeatureMeans::tell(const float *features, bool motionKnown) {
+    Surface &s = surfaces_[last_];
+    ++s.told;
+    s.moving += motionKnown ? 1 : 0;
     const std::size_t known = motionKnown ? kDenoiseFeatures : kMotion;
     for (std::size_t i = 0; i < known; ++i) {
         const double x = std::isfinite(features[i]) ? static_cast<double>(features[i]) : 0.0;
-        sums_[i] += x;
-        if (i < kDepth) squares_[i] += x * x;
+        s.sums[i] += x;
+        if (i < kDepth) s.squares[i] += x * x;
     }
 }
 
-PixelFeatures FeatureMeans::rounded() const {
+PixelFeatures FeatureMeans::rounded(bool edge) const {
     PixelFeatures f;
     if (probes_ == 0) return f;
-    const auto share = [&](int of) { return static_cast<std::uint16_t>(std::lrint(65535.0 * of / probes_)); };
+    const auto share = [&](double of) { return static_cast<std::uint16_t>(std::lrint(65535 * of / probes_)); };
     f.probes = static_cast<std::uint16_t>(std::min(probes_, 65535));
+    f.edge = edge ? 1 : 0;
     f.covered = share(covered_);
-    f.hits = share(hits_);
-    f.moving = share(moving_);
-    if (hits_ == 0) return f;
+    f.met = share(met_);
+    double hits = 0;
+    double moving = 0;
+    std::array<double, kDenoiseFeatures> sums{};
+    std::array<double, kDepth> squares{};
+    for (const Surface &s : surfaces_) { // each counts by how often it is met
+        const double of = static_cast<double>(s.hits) / s.told;
+        hits += s.hits;
+        moving += of * s.moving;
+        for (std::size_t i = 0; i < kDenoiseFeatures; ++i) sums[i] += of * s.sums[i];
+        for (std::size_t i = 0; i < kDepth; ++i) squares[i] += of * s.squares[i];
+    }
+    f.moving = share(moving);
+    if (hits == 0) return f;
     double noise[2] = {0, 0};
     for (int i = 0; i < kMotion; ++i) {
         const auto k = static_cast<std::size_t>(i);
-        const double mean = sums_[k] / (i < kDepth ? probes_ : hits_);
+        const double mean = sums[k] / (i < kDepth ? probes_ : hits);
         const float steps = stepsOf(i);
         f.channels[k] = steps == 0 ? upperHalf(static_cast<float>(mean)) : static_cast<std::uint16_t>(inSteps(mean, steps, 32767));
         if (i < kDepth && probes_ > 1)
-            noise[i < kAlbedo ? 0 : 1] += std::max(0.0, squares_[k] / probes_ - mean * mean) / (3.0 * (probes_ - 1));
+            noise[i < kAlbedo ? 0 : 1] += std::max(0.0, squares[k] / probes_ - mean * mean) / (3.0 * (probes_ - 1));
     }
     for (std::size_t k = 0; k < 2; ++k) f.noise[k] = upperHalf(static_cast<float>(noise[k]));
-    if (moving_ == 0) return f;
-    for (std::size_t k = 0; k < 2; ++k)
-        f.motion[k] = inSteps(sums_[kMotion + k] / moving_, stepsOf(kMotion), 0x1p30);
+    if (moving == 0) return f;
+    for (std::size_t k = 0; k < 2; ++k) f.motion[k] = inSteps(sums[kMotion + k] / moving, stepsOf(kMotion), 0x1p30);
     return f;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 /// What the denoiser is told of the first surface that a pixel sees: what other renderers know of it, and what this one knows of its gloss.
 
+#include "taut/base/vec.h"
 #include "taut/deform/affine.h"
 #include "taut/render/ray_batch.h"
 
@@ -26,8 +27,6 @@ enum DenoiseFeature : std::uint8_t {
 };
 
 inline constexpr float kMostAlbedo = 8;
-/// Probes of a pixel where surfaces end.
-inline constexpr int kEdgeProbes = 16;
 /// Lobes narrower than that are told apart no further.
 inline constexpr float kLeastGloss = 0.01F;
 
@@ -56,13 +55,14 @@ bool writeDenoiseFeatures(const RenderScene &scene, const SurfacePoint &point, c
 
 /// Features of a pixel, rounded for keeping: means over its probes (denoise_probes.cpp). Any bits are finite values.
 struct PixelFeatures {
-    std::uint16_t probes = 0;  ///< camera rays that told; 0: none has
-    std::uint16_t covered = 0; ///< share of them that met a surface or a light, of kWhole
-    std::uint16_t hits = 0;    ///< share that met a surface
-    std::uint16_t moving = 0;  ///< share whose motion is known
-    std::uint16_t noise[2] = {0, 0};                    ///< variance of the means of normal and of albedo, the mean of three channels
-    std::array<std::uint16_t, kMotion> channels{};      ///< normal and albedo over all probes, 0 where nothing is met; others over hits
-    std::array<std::int32_t, 2> motion{};               ///< over those whose motion is known
+    std::uint16_t probes = 0;                      ///< camera rays that told; 0: none has
+    std::uint16_t edge = 0;                        ///< 1 where surfaces end in the pixel or beside it
+    std::uint16_t covered = 0;                     ///< share of them that saw something, of kWhole: alpha
+    std::uint16_t met = 0;                         ///< share that met a surface or a light, not the environment alone
+    std::uint16_t moving = 0;                      ///< share whose motion is known
+    std::uint16_t noise[2] = {0, 0};               ///< variance of the means of normal and of albedo, the mean of three channels
+    std::array<std::uint16_t, kMotion> channels{}; ///< normal and albedo over all probes, 0 where nothing is met; others over hits
+    std::array<std::int32_t, 2> motion{};          ///< over those whose motion is known
     static constexpr float kWhole = 65535;
 
     /// A channel before kMotion, or of the motion.
@@ -72,17 +72,38 @@ struct PixelFeatures {
     bool operator==(const PixelFeatures &) const = default;
 };
 
-/// Means of what the probes of a pixel tell, in their order.
+/// Means of what the probes of a pixel tell, in their order. Of a surface that is met again and again the first few say what it is like,
+/// the others only how much of the pixel it covers.
 class FeatureMeans {
   public:
-    /// `features`: kDenoiseFeatures values, or null where no surface was met; `covered`: a light was, or a surface.
-    void add(const float *features, bool covered, bool motionKnown);
-    [[nodiscard]] PixelFeatures rounded() const;
+    /// No surface was met. `covered`: something was seen all the same; `met`: a light.
+    void addNothing(bool covered, bool met) {
+        ++probes_;
+        covered_ += covered ? 1 : 0;
+        met_ += met ? 1 : 0;
+    }
+    /// A surface was met. Whether its features are asked for, to be told next.
+    bool addHit(Index object, float distance);
+    /// kDenoiseFeatures values.
+    void tell(const float *features, bool motionKnown);
+    [[nodiscard]] PixelFeatures rounded(bool edge) const;
+    /// To begin with another pixel.
+    void clear() {
+        probes_ = covered_ = met_ = 0;
+        surfaces_.clear();
+    }
 
   private:
-    int probes_ = 0, covered_ = 0, hits_ = 0, moving_ = 0;
-    std::array<double, kDenoiseFeatures> sums_{};
-    std::array<double, kDepth> squares_{};
+    struct Surface {
+        Index object = kNone;
+        float distance = 0;
+        int hits = 0, told = 0, moving = 0;
+        std::array<double, kDenoiseFeatures> sums{};
+        std::array<double, kDepth> squares{};
+    };
+    int probes_ = 0, covered_ = 0, met_ = 0;
+    std::vector<Surface> surfaces_;
+    std::size_t last_ = 0; // that is asked about
 };
 
 } // namespace taut

@@ -17,7 +17,7 @@ constexpr float kLeastSeen = 0.6F;
 /// The most that the older picture counts: no error is forgotten more slowly.
 constexpr float kMostKept = 0.8F;
 /// What the pictures differ by counts so much: a ghost weighs more than noise that stays.
-constexpr float kCaution = 1.25F;
+constexpr float kCaution = 2.0F;
 /// Radius over which the two pictures are held against each other.
 constexpr int kAgreementRadius = 3;
 

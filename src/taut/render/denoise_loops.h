@@ -25,7 +25,7 @@ inline constexpr int kColumns = kMostRegressors + kTargets;
 inline constexpr int kMostRadius = 15;
 inline constexpr int kMostVectors = (2 * kMostRadius + 1 + kLanes - 1) / kLanes; ///< of a row of a window
 inline constexpr int kMostRows = kMostVectors * (2 * kMostRadius + 1);           ///< of a window, in lanes
-inline constexpr int kSoft = 11; ///< planes whose differences make a pixel count less
+inline constexpr int kSoft = 11;                                                 ///< planes whose differences make a pixel count less
 
 /// All that the loops read.
 struct Planes {

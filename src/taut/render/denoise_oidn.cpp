@@ -10,8 +10,8 @@ namespace {
 
 /// Channels side by side. A pixel without a sample in one half, or with one that is not believed, is given the mean.
 std::vector<float> interleaved(const DenoisePixels &pixels, const std::array<Plane, 3> &planes, const Plane *share) {
-    std::vector<float> values(3 * pixels.alpha.size());
-    for (std::size_t i = 0; i < pixels.alpha.size(); ++i)
+    std::vector<float> values(3 * pixels.count());
+    for (std::size_t i = 0; i < pixels.count(); ++i)
         for (std::size_t c = 0; c < 3; ++c) values[3 * i + c] = share != nullptr && (*share)[i] == 0 ? pixels.mean[c][i] : planes[c][i];
     return values;
 }
@@ -28,7 +28,7 @@ void put(oidn::DeviceRef &device, oidn::FilterRef &filter, const char *name, con
 
 Regressed openImageDenoise(const DenoisePixels &pixels) {
     Regressed out;
-    out.known.assign(pixels.alpha.size(), 1);
+    out.known.assign(pixels.count(), 1);
     const auto width = static_cast<std::size_t>(pixels.width);
     const auto height = static_cast<std::size_t>(pixels.height);
     oidn::DeviceRef device = oidn::newDevice(oidn::DeviceType::CPU);
@@ -36,7 +36,7 @@ Regressed openImageDenoise(const DenoisePixels &pixels) {
     for (int half = 0; half < 2; ++half) {
         oidn::FilterRef filter = device.newFilter("RT");
         std::vector<oidn::BufferRef> buffers;
-        std::vector<float> result(3 * pixels.alpha.size());
+        std::vector<float> result(3 * pixels.count());
         put(device, filter, "color", interleaved(pixels, pixels.half[half], &pixels.share[half]), width, height, buffers);
         put(device, filter, "albedo", interleaved(pixels, pixels.albedo, nullptr), width, height, buffers);
         put(device, filter, "normal", interleaved(pixels, pixels.normal, nullptr), width, height, buffers);
@@ -49,8 +49,8 @@ Regressed openImageDenoise(const DenoisePixels &pixels) {
         buffers.back().read(0, result.size() * sizeof(float), result.data());
         for (std::size_t c = 0; c < 3; ++c) {
             Plane &plane = out.half[half][c];
-            plane.resize(pixels.alpha.size());
-            for (std::size_t i = 0; i < plane.size(); ++i) plane[i] = result[3 * i + c];
+            plane.assign(pixels.stored(), 0);
+            for (std::size_t i = 0; i < pixels.count(); ++i) plane[i] = result[3 * i + c];
         }
     }
     return out;

@@ -12,6 +12,8 @@ namespace {
 
 /// Radius over which the halves say what stratified points save against random ones.
 constexpr int kStratification = 6;
+/// Probes know more of an outline than so many times fewer samples.
+constexpr double kTrustedProbes = 2;
 /// A pixel is one sample's doing where its variance is so many times the third largest around it, itself included.
 constexpr float kSpike = 16;
 
@@ -37,11 +39,29 @@ void allocate(DenoisePixels &p) {
     each(p.motion);
     p.variance.assign(pixels, 0);
     p.alpha.assign(pixels, 0);
+    p.cover.assign(pixels, 1);
     p.edge.assign(pixels, 0);
     p.samples.assign(pixels, 0);
     p.trust.assign(pixels, 1);
     p.depth.assign(pixels, 0);
     p.moving.assign(pixels, 0);
+}
+
+/// How much of an outline's pixel is covered is known by its probes: its light is what its samples saw where they saw something, times
+/// that.
+struct Cover {
+    float scale[2] = {1, 1}; ///< of the halves
+};
+Cover coverOf(const Film &film, int x, int y, double n, double second) {
+    Cover cover;
+    const PixelFeatures &f = film.denoiseSums()->featuresAt(x, y);
+    if (f.edge == 0 || f.covered == 0 || f.probes < kTrustedProbes * n) return cover;
+    const double covered = film.sumAt(x, y, 3).value();
+    const double ofSecond = std::min(covered, static_cast<double>(film.denoiseSums()->at(x, y).covered));
+    const double known = static_cast<double>(f.covered) / PixelFeatures::kWhole;
+    if (covered - ofSecond > 0) cover.scale[0] = static_cast<float>(known * (n - second) / (covered - ofSecond));
+    if (ofSecond > 0) cover.scale[1] = static_cast<float>(known * second / ofSecond);
+    return cover;
 }
 
 /// `between`: the variance of the mean as the difference of the halves has it, the mean of three colours.
@@ -54,15 +74,16 @@ void readColours(const Film &film, int x, int y, std::size_t i, DenoisePixels &p
     const double first = n - second;
     p.share[0][i] = static_cast<float>(first / n);
     p.share[1][i] = static_cast<float>(second / n);
+    const Cover cover = coverOf(film, x, y, n, second);
     double meanSquares = 0;
     for (std::size_t c = 0; c < 3; ++c) {
         const double sum = film.sumAt(x, y, c).value();
         const double half = sums.half[c].value();
-        const double mean = sum / n;
-        p.mean[c][i] = static_cast<float>(mean);
-        if (first > 0) p.half[0][c][i] = static_cast<float>((sum - half) / first);
-        if (second > 0) p.half[1][c][i] = static_cast<float>(half / second);
-        meanSquares += mean * mean;
+        meanSquares += sum / n * sum / n;
+        if (first > 0) p.half[0][c][i] = static_cast<float>((sum - half) / first) * cover.scale[0];
+        if (second > 0) p.half[1][c][i] = static_cast<float>(half / second) * cover.scale[1];
+        p.mean[c][i] = cover.scale[0] == 1 && cover.scale[1] == 1 ? static_cast<float>(sum / n)
+                                                                  : p.share[0][i] * p.half[0][c][i] + p.share[1][i] * p.half[1][c][i];
         if (first > 0 && second > 0) {
             const double apart = static_cast<double>(p.half[0][c][i]) - static_cast<double>(p.half[1][c][i]);
             between[i] += static_cast<float>(apart * apart * first * second / (3 * n * n));
@@ -73,8 +94,9 @@ void readColours(const Film &film, int x, int y, std::size_t i, DenoisePixels &p
 
 void readFeatures(const PixelFeatures &f, std::size_t i, DenoisePixels &p) {
     if (f.probes == 0) return;
-    p.alpha[i] = static_cast<float>(f.covered) / PixelFeatures::kWhole;
-    p.edge[i] = f.probes >= kEdgeProbes ? 1.0F : 0.0F;
+    p.alpha[i] = static_cast<float>(f.met) / PixelFeatures::kWhole;
+    p.cover[i] = static_cast<float>(f.covered) / PixelFeatures::kWhole;
+    p.edge[i] = f.edge != 0 ? 1.0F : 0.0F;
     p.moving[i] = static_cast<float>(f.moving) / PixelFeatures::kWhole;
     const auto read = [&](auto &planes, int first) {
         for (std::size_t k = 0; k < planes.size(); ++k) planes[k][i] = f.at(first + static_cast<int>(k));
@@ -93,10 +115,10 @@ void readFeatures(const PixelFeatures &f, std::size_t i, DenoisePixels &p) {
 /// scaled by the other's mean around (Rousselle et al. 2012, section 6).
 void scaleVariance(DenoisePixels &p, Plane between) {
     Plane sampled = p.variance;
-    boxMean(between, p.width, p.height, kStratification);
-    boxMean(sampled, p.width, p.height, kStratification);
-    for (std::size_t i = 0; i < p.count(); ++i)
-        p.variance[i] *= sampled[i] > 0 ? std::clamp(between[i] / sampled[i], 0.01F, 1.5F) : 1.0F;
+    const Around around(p, kStratification);
+    around.average(between);
+    around.average(sampled);
+    for (std::size_t i = 0; i < p.count(); ++i) p.variance[i] *= sampled[i] > 0 ? std::clamp(between[i] / sampled[i], 0.01F, 1.5F) : 1.0F;
 }
 
 /// Where there is one sample a pixel, its neighbours say how much it varies.
@@ -165,6 +187,22 @@ void boxMean(Plane &plane, int width, int height, int radius) {
             for (std::size_t x = 0; x < w; ++x) out[x] += in[x] * share;
         }
     });
+}
+
+Around::Around(const DenoisePixels &p, int radius) : p_(p), radius_(radius), edges_(p.edge) {
+    boxMean(edges_, p.width, p.height, radius);
+}
+
+void Around::average(Plane &values) const {
+    Plane atEdges(p_.count());
+    parallelFor(p_.count(), 4096, [&](std::size_t i) {
+        atEdges[i] = p_.edge[i] * values[i];
+        values[i] -= atEdges[i];
+    });
+    boxMean(atEdges, p_.width, p_.height, radius_);
+    boxMean(values, p_.width, p_.height, radius_);
+    parallelFor(p_.count(), 4096,
+                [&](std::size_t i) { values[i] = p_.edge[i] > 0 ? atEdges[i] / edges_[i] : values[i] / (1 - edges_[i]); });
 }
 
 DenoisePixels denoisePixelsOf(const Film &film) {

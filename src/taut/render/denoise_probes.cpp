@@ -19,6 +19,8 @@ constexpr int kDetailed = 4; ///< probes of a pixel that sees a texture
 constexpr int kBlurred = 8;  ///< where what a pixel sees is left to chance: by lens, shutter or opacity
 /// Neighbouring pixels see different surfaces where cosines of facets are below, or distances further apart.
 constexpr float kSameFacet = 0.9F, kSameDepth = 0.1F;
+/// Probes of a pixel where surfaces end, for each sample of half the picture's; and the least and most of them.
+constexpr int kEdgeProbes = 8, kLeastEdgeProbes = 32, kMostEdgeProbes = 256;
 /// Of the sample sequence, whatever that of the frame.
 constexpr std::uint32_t kProbeSeed = 0x7ac3U;
 /// Instead of a geometry: a light.
@@ -34,10 +36,13 @@ bool hasDetail(const Material &m) {
 /// Of one tile.
 class PathTracer::State::Probes {
   public:
-    Probes(State &state, const Window &tile) : s_(state), tile_(tile), ring_{std::max(0, tile.x0 - 1), std::max(0, tile.y0 - 1),
-                                                                               std::min(state.settings.width, tile.x1 + 1),
-                                                                               std::min(state.settings.height, tile.y1 + 1)} {
+    Probes(State &state, const Window &tile, int block)
+        : s_(state), tile_(tile), edgeProbes_(std::clamp(kEdgeProbes * block, kLeastEdgeProbes, kMostEdgeProbes)),
+          ring_{std::max(0, tile.x0 - 1), std::max(0, tile.y0 - 1), std::min(state.settings.width, tile.x1 + 1),
+                std::min(state.settings.height, tile.y1 + 1)} {
         const RenderSettings &render = s_.scene.scene().render;
+        const Environment *environment = s_.scene.lights().environment;
+        seesEnvironment_ = environment != nullptr && environment->cameraVisible;
         isBlurred_ = render.shutter > 0 || s_.scene.camera().apertureRadius > 0 || s_.scene.surfacesMayBeAbsent();
     }
 
@@ -46,14 +51,16 @@ class PathTracer::State::Probes {
         lookAround();
         std::vector<FeatureMeans> means(static_cast<std::size_t>(tile_.width()) * static_cast<std::size_t>(tile_.height()));
         std::vector<int> wanted(means.size());
-        const auto placeOf = [&](int x, int y) {
-            return static_cast<std::size_t>((y - tile_.y0) * tile_.width() + x - tile_.x0);
-        };
+        FeatureMeans one;
+        const auto placeOf = [&](int x, int y) { return static_cast<std::size_t>((y - tile_.y0) * tile_.width() + x - tile_.x0); };
         for (int y = tile_.y0; y < tile_.y1; ++y)
             for (int x = tile_.x0; x < tile_.x1; ++x) {
                 const std::size_t i = placeOf(x, y);
                 wanted[i] = probesOf(x, y);
-                if (wanted[i] == 1) add(ringPlace(x, y), means[i]);
+                if (wanted[i] != 1) continue;
+                one.clear();
+                add(ringPlace(x, y), one);
+                use(x, y, one.rounded(false));
             }
         begin(false);
         const auto finish = [&] {
@@ -69,7 +76,8 @@ class PathTracer::State::Probes {
                 }
         finish();
         for (int y = tile_.y0; y < tile_.y1; ++y)
-            for (int x = tile_.x0; x < tile_.x1; ++x) use(x, y, means[placeOf(x, y)].rounded());
+            for (int x = tile_.x0; x < tile_.x1; ++x)
+                if (const int count = wanted[placeOf(x, y)]; count > 1) use(x, y, means[placeOf(x, y)].rounded(count == edgeProbes_));
     }
 
   private:
@@ -84,8 +92,10 @@ class PathTracer::State::Probes {
     static constexpr std::size_t kMostProbes = 1024;
     State &s_;
     Window tile_;
+    int edgeProbes_;
     Window ring_; ///< the tile and the pixels around it
     bool isBlurred_;
+    bool seesEnvironment_;
     std::vector<Seen> seen_; ///< [pixels of the ring]
 
     [[nodiscard]] std::size_t ringPlace(int x, int y) const {
@@ -142,14 +152,15 @@ class PathTracer::State::Probes {
     [[nodiscard]] static bool areAlike(const Seen &a, const Seen &b) {
         if (a.object != b.object) return false;
         if (a.object == kNone || a.object == kLight) return true;
-        return glm::dot(a.facet, b.facet) >= kSameFacet && std::fabs(a.distance - b.distance) <= kSameDepth * std::min(a.distance, b.distance);
+        return glm::dot(a.facet, b.facet) >= kSameFacet &&
+               std::fabs(a.distance - b.distance) <= kSameDepth * std::min(a.distance, b.distance);
     }
 
     [[nodiscard]] int probesOf(int x, int y) const {
         const Seen &own = seen_[ringPlace(x, y)];
         for (int v = std::max(ring_.y0, y - 1); v < std::min(ring_.y1, y + 2); ++v)
             for (int u = std::max(ring_.x0, x - 1); u < std::min(ring_.x1, x + 2); ++u)
-                if (!areAlike(own, seen_[ringPlace(u, v)])) return kEdgeProbes;
+                if (!areAlike(own, seen_[ringPlace(u, v)])) return edgeProbes_;
         return isBlurred_ ? kBlurred : own.detailed ? kDetailed : 1;
     }
 
@@ -157,14 +168,15 @@ class PathTracer::State::Probes {
     void add(std::size_t i, FeatureMeans &means) {
         const Hit &hit = s_.hits[i];
         const Ray &ray = s_.rays[i];
-        if (meetsLight(i)) return means.add(nullptr, true, false);
-        if (hit.geometry == kNone) return means.add(nullptr, false, false);
+        if (meetsLight(i)) return means.addNothing(true, true);
+        if (hit.geometry == kNone) return means.addNothing(seesEnvironment_, false);
+        if (!means.addHit(s_.scene.objectOfGeometry(hit.geometry), hit.t)) return;
         const Path &path = s_.paths[i];
         const float coneWidth = s_.hasCones ? path.cone.widthAt(hit.t) : 0.0F;
         const SurfacePoint point = surfacePointAt(s_.scene, s_.materials, hit, -ray.direction, path.time, coneWidth);
         float features[kDenoiseFeatures];
         const bool moving = writeDenoiseFeatures(s_.scene, point, -ray.direction, path.time, s_.settings.before, features);
-        means.add(features, true, moving);
+        means.tell(features, moving);
     }
 };
 
@@ -180,7 +192,7 @@ void PathTracer::State::probeTile(const Window &tile, const FilmAccess &access, 
     }
     const std::uint32_t seed = std::exchange(settings.seed, kProbeSeed);
     std::vector<std::pair<glm::ivec2, PixelFeatures>> features;
-    Probes(*this, tile).run([&](int x, int y, const PixelFeatures &told) { features.emplace_back(glm::ivec2(x, y), told); });
+    Probes(*this, tile, sums.block()).run([&](int x, int y, const PixelFeatures &told) { features.emplace_back(glm::ivec2(x, y), told); });
     settings.seed = seed;
     cameraLanes->centred = false;
     const std::lock_guard lock(access.lock);

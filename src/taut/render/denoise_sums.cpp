@@ -50,14 +50,16 @@ template <class T> T getCount(std::streambuf &in) {
 void putFeatures(std::string &out, const PixelFeatures &features) {
     put(out, features.probes);
     if (features.probes == 0) return;
-    for (const std::uint16_t value : {features.covered, features.hits, features.moving, features.noise[0], features.noise[1]}) put(out, value);
+    for (const std::uint16_t value : {features.edge, features.covered, features.met, features.moving, features.noise[0], features.noise[1]})
+        put(out, value);
     for (const std::uint16_t value : features.channels) put(out, value);
     for (const std::int32_t value : features.motion) putSigned(out, value);
 }
 void getFeatures(std::streambuf &in, PixelFeatures &features) {
     features.probes = getCount<std::uint16_t>(in);
     if (features.probes == 0) return;
-    for (std::uint16_t *value : {&features.covered, &features.hits, &features.moving, &features.noise[0], &features.noise[1]})
+    for (std::uint16_t *value :
+         {&features.edge, &features.covered, &features.met, &features.moving, &features.noise[0], &features.noise[1]})
         *value = getCount<std::uint16_t>(in);
     for (std::uint16_t &value : features.channels) value = getCount<std::uint16_t>(in);
     for (std::int32_t &value : features.motion) value = static_cast<std::int32_t>(getSigned(in));
@@ -72,11 +74,12 @@ DenoiseSums::DenoiseSums(const Window &window, int block) : window_(window), blo
     features_.resize(pixels);
 }
 
-void DenoiseSums::add(int x, int y, std::uint32_t sample, const Vec3 &radiance) {
+void DenoiseSums::add(int x, int y, std::uint32_t sample, const Vec3 &radiance, bool covered) {
     Pixel &pixel = pixels_[pixelAt(x, y)];
     pixel.squares.add(glm::dot(radiance, radiance));
     if (!inSecondHalf(x, y, sample)) return;
     ++pixel.second;
+    pixel.covered += covered ? 1 : 0;
     for (int c = 0; c < 3; ++c) pixel.half[static_cast<std::size_t>(c)].add(radiance[c]);
 }
 
@@ -89,6 +92,7 @@ void DenoiseSums::merge(const DenoiseSums &other) {
             const Pixel &from = other.at(x, y);
             Pixel &to = pixels_[pixelAt(x, y)];
             to.second += from.second;
+            to.covered += from.covered;
             for (std::size_t c = 0; c < 3; ++c) to.half[c].add(from.half[c]);
             to.squares.add(from.squares);
             if (featuresAt(x, y).probes == 0) tell(x, y, other.featuresAt(x, y));
@@ -110,6 +114,7 @@ void DenoiseSums::save(std::ostream &out) const {
     for (std::size_t i = 0; i < pixels_.size(); ++i) {
         const Pixel &pixel = pixels_[i];
         put(bytes, pixel.second);
+        put(bytes, pixel.covered);
         for (const ExactSum &sum : {pixel.half[0], pixel.half[1], pixel.half[2], pixel.squares}) {
             put(bytes, sum.low());
             putSigned(bytes, sum.high());
@@ -132,6 +137,7 @@ DenoiseSums DenoiseSums::load(std::istream &in, const Window &window) {
     for (std::size_t i = 0; i < pixels; ++i) { // grows by what is read: no head asks for more memory than its file is worth
         Pixel &pixel = sums.pixels_.emplace_back();
         pixel.second = getCount<std::uint32_t>(buffer);
+        pixel.covered = getCount<std::uint32_t>(buffer);
         for (ExactSum *sum : {&pixel.half[0], &pixel.half[1], &pixel.half[2], &pixel.squares}) {
             const std::uint64_t low = get(buffer);
             *sum = ExactSum(low, getSigned(buffer));

@@ -24,8 +24,8 @@ class DenoiseSums {
         return ((sample / static_cast<std::uint32_t>(block_) + static_cast<std::uint32_t>(x) + static_cast<std::uint32_t>(y)) & 1U) != 0;
     }
 
-    /// One sample.
-    void add(int x, int y, std::uint32_t sample, const Vec3 &radiance);
+    /// One sample. `covered`: it saw something.
+    void add(int x, int y, std::uint32_t sample, const Vec3 &radiance, bool covered);
     /// What a pixel sees; the same whoever tells it.
     void tell(int x, int y, const PixelFeatures &features) { features_[pixelAt(x, y)] = features; }
     /// Adds another's sums, whose window lies in this one's. Throws InputError where its blocks are others.
@@ -38,6 +38,7 @@ class DenoiseSums {
         std::array<ExactSum, 3> half{}; ///< R G B over the second half
         ExactSum squares;               ///< R^2 + G^2 + B^2 over all samples
         std::uint32_t second = 0;       ///< samples in the second half
+        std::uint32_t covered = 0;      ///< of them that saw something
         bool operator==(const Pixel &) const = default;
     };
     [[nodiscard]] const Pixel &at(int x, int y) const { return pixels_[pixelAt(x, y)]; }

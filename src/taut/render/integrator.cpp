@@ -144,7 +144,7 @@ bool PathTracer::traceTile(const Window &tile, int firstSample, int lastSample, 
                      path.hasAovs ? s.aovs.data() + i * static_cast<std::size_t>(aovChannels) : nullptr);
             if (s.settings.layers != nullptr) film.addLayers(path.x, path.y, path.radiance, s.layerSample(i));
             if (DenoiseSums *sums = film.denoiseSums(); sums != nullptr)
-                sums->add(path.x, path.y, path.sample, path.radiance);
+                sums->add(path.x, path.y, path.sample, path.radiance, path.alpha > 0);
         }
         times.film += secondsSince(clock);
     }
