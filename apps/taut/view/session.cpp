@@ -8,6 +8,7 @@
 #include "taut/render/image_file.h"
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <fmt/format.h>
 #include <iostream>
@@ -76,10 +77,16 @@ Json ViewSession::change(const Json &request) {
     if (request.contains("wipe")) wipe_ = request["wipe"].get<bool>();
     const Touched touched = changes_.takeTouched();
     fixedTouched_ += touched;
+    // What nobody has taken yet is replaced, and must bring all that it would have brought: the first scene its environment.
+    std::array<Touched, 2> brought{touched, fixedTouched_};
+    {
+        const std::lock_guard lock(mutex_);
+        for (int i = 0; i < 2; ++i) brought[i] += wanted_.touched[i];
+    }
     std::optional<Scene> scene;
     std::optional<Scene> fixed;
-    if (touched.any()) scene = changes_.load(touched, true);
-    if (wipe_ && fixedTouched_.any()) fixed = changes_.load(fixedTouched_, false);
+    if (touched.any()) scene = changes_.load(brought[0], true);
+    if (wipe_ && fixedTouched_.any()) fixed = changes_.load(brought[1], false);
     {
         const std::lock_guard lock(mutex_);
         wanted_.version += 1;
