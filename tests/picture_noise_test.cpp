@@ -246,6 +246,7 @@ TEST_CASE("picture noise: the command takes an error and says what it reached", 
         INFO(option);
         checkUsageError(runTaut({"render", place.scene, "-o", place.path("b.exr"), "--error", "0.1", option, value}), option);
     }
+    checkUsageError(runTaut({"view", place.scene, "--no-open", "--error", "0.1"}), "--error");
     checkUsageError(runTaut({"render", place.scene, "-o", place.path("b.exr"), "--error", "0.1", "--shard", "1/2", "--shard-by", "rows"}), "--error");
     CHECK(!fs::exists(place.path("b.exr")));
 }

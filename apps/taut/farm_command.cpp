@@ -10,8 +10,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <iostream>
+#include <optional>
 
 namespace taut::app {
 
@@ -25,6 +28,10 @@ struct FarmArguments {
     std::string folder;
     int shards = 1;
 };
+
+/// Samples that time is asked for where an error decides about them: twice what the pilots foresee; without pilots.
+constexpr double kForeseenTwice = 2;
+constexpr int kSamplesOfNoForesight = 1024;
 
 /// What every task is told: what the command line was, but for where it is run from.
 std::vector<std::string> renderWords(const RenderArguments &a) {
@@ -78,6 +85,9 @@ int farm(FarmArguments &arguments) {
     optionsOfPart(options, {byRows ? SplitBy::Rows : SplitBy::Samples, 1, arguments.shards}, settings); // or says why not
 
     PlannedScene planned = planFor(loaded, render.model);
+    if (const std::optional<ErrorBudget> &budget = planned.plan.budget) // how many samples a frame will take is foreseen at best
+        options.spp = std::min(options.spp, budget->samples > 0 ? static_cast<int>(std::ceil(kForeseenTwice * static_cast<double>(budget->samples)))
+                                                                : kSamplesOfNoForesight);
     RenderScene ready(std::move(loaded), std::move(planned.plan), settings.frames.size() > 1, std::move(planned.surfaces));
     const Resources resources = measureResources(ready, options, began);
 

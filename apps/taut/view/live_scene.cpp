@@ -141,7 +141,7 @@ bool LiveScene::settle() {
     PlannedScene planned = planFor(ready_->scene(), model_);
     const ScenePlan &now = ready_->plan();
     ScenePlan &then = planned.plan;
-    if (!areSame(now.meshes, then.meshes)) {
+    if (!areSame(now.meshes, then.meshes) || now.maxEvents != then.maxEvents) {
         const bool animated = ready_->scene().render.frames.size() > 1;
         auto anew = std::make_unique<RenderScene>(ready_->scene(), std::move(then), animated, std::move(planned.surfaces));
         ready_ = std::move(anew); // the old scene's objects are what the surfaces referred to until now

@@ -142,6 +142,7 @@ void openBrowser(const std::string &url) {
 }
 
 int view(const ViewArguments &arguments) {
+    if (arguments.model.error) failInput({"--error"}, "a view, whose pictures go on to the scene's samples", "--tolerance, for the models alone");
     const auto threads = limitThreads(arguments.scene.threads);
     HttpOptions options;
     options.host = arguments.host;

@@ -55,10 +55,10 @@ bool isAsked(const ScenePlan &plan, const ChoiceValue &value) {
     const auto has = [&](const Question &question) {
         return std::any_of(question.choices.begin(), question.choices.end(), [&](const Choice &choice) { return choice.value == value; });
     };
-    const auto has2 = [&](const auto &part) { return part.question && has(*part.question); };
+    const auto asks = [&](const auto &part) { return part.question && has(*part.question); };
     return std::any_of(plan.meshes.begin(), plan.meshes.end(),
                        [&](const MeshPlan &mesh) { return std::any_of(mesh.questions.begin(), mesh.questions.end(), has); }) ||
-           std::any_of(plan.materials.begin(), plan.materials.end(), has2) || std::any_of(plan.details.begin(), plan.details.end(), has2);
+           std::any_of(plan.materials.begin(), plan.materials.end(), asks) || std::any_of(plan.details.begin(), plan.details.end(), asks);
 }
 
 class PilotedPlan {
@@ -141,7 +141,7 @@ class PilotedPlan {
         const Estimate square = squaredDifference(found, reference_);
         const double error = std::sqrt(std::max(0.0, square.value));
         const double upper = std::sqrt(std::max(0.0, square.value) + square.spread);
-        const double samples = 2.0 * kSamples * static_cast<double>(found.first.counts.paths) / kSamples;
+        const double samples = static_cast<double>(found.first.counts.paths + found.second.counts.paths);
         findings_.push_back({value, static_cast<float>(predictedFor(asked_, value)), static_cast<float>(error), static_cast<float>(upper - error),
                              static_cast<float>(noiseOfOne(found)), static_cast<float>(found.rays() / samples)});
         return upper;
