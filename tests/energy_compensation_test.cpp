@@ -225,7 +225,7 @@ TEST_CASE("A walk's sample has the density of its part, and walks of one facet h
                         ++missed;
                         continue;
                     }
-                    const auto [single, multiple] = point.evaluateParts(s->wi, hash(i, 7));
+                    const auto [single, multiple] = point.evaluateParts(s->wi, walk::numbersOf(hash(i, 7)));
                     const bool known = s->pdf == single.pdf || s->pdf == multiple.pdf;
                     if (!(multiple.pdf > 0) || !known || !isFinite(single.fCos + multiple.fCos)) FAIL("eta " << eta << ", theta " << theta);
                 }
@@ -263,7 +263,7 @@ TEST_CASE("A lamp lights a walk alike with and without multiple importance sampl
                     const Vec2 u = sobol2(i, 5);
                     const float z = 1 - u.x * static_cast<float>(1 - cosine);
                     const Vec3 wi = frame.fromLocal(Vec3(std::sqrt(std::max(0.0F, 1 - z * z)) * unitCircle(u.y), z));
-                    const auto [single, multiple] = point.evaluateParts(wi, hash(i, 11));
+                    const auto [single, multiple] = point.evaluateParts(wi, walk::numbersOf(hash(i, 11)));
                     const double lightAlone = static_cast<double>(single.fCos.x + multiple.fCos.x) / lightPdf;
                     double both = 0;
                     for (const BsdfEval &part : {single, multiple})

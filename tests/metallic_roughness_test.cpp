@@ -176,7 +176,7 @@ TEST_CASE("Metallic-roughness with a walk: samples and evaluation agree in the l
     for (std::uint32_t i = 0; i < kSamples; ++i) {
         const Vec3 up = squareToCosineHemisphere({uniform(random), uniform(random)});
         for (const Vec3 &wi : {up, Vec3(up.x, up.y, -up.z)})
-            estimated += static_cast<double>(point.evaluate(wi, hash(i, 7)).fCos.x / (kInvPi * std::fabs(wi.z)));
+            estimated += static_cast<double>(point.evaluate(wi, walk::numbersOf(hash(i, 7))).fCos.x / (kInvPi * std::fabs(wi.z)));
     }
     CHECK(sampledAlbedo(walk, wo, kSamples) == Approx(estimated / kSamples).margin(6e-3));
 }

@@ -84,8 +84,7 @@ template <class Facets> Estimate integrateEvaluation(const MicroTransform &m, co
             estimate.add(0);
             continue;
         }
-        const Vec2 first(random.uniform(), random.uniform());
-        estimate.add(static_cast<double>(luminance(walk::evaluate(m, wo, wi, facets, first, random)) / proposal.density(wi)));
+        estimate.add(static_cast<double>(luminance(walk::evaluate(m, wo, wi, facets, walk::drawEnds(random), random)) / proposal.density(wi)));
     }
     return estimate;
 }
@@ -294,8 +293,7 @@ TEST_CASE("Sampled walks and the mean of the stochastic evaluation are one distr
             Estimate &e = evaluated[static_cast<std::size_t>(b)];
             for (int i = 0; i < samples; ++i) {
                 const Vec3 wi = pointInBin(b, (static_cast<float>(i % 20) + random.uniform()) / 20, random.uniform());
-                const Vec2 first(random.uniform(), random.uniform());
-                e.add(kBinArea * static_cast<double>(walk::evaluate(m, wo, wi, facets, first, random).x));
+                e.add(kBinArea * static_cast<double>(walk::evaluate(m, wo, wi, facets, walk::drawEnds(random), random).x));
             }
             if (s.sum < 20) continue;
             statistic += sqr(s.mean() - e.mean()) / (s.variance() + e.variance());
@@ -332,8 +330,7 @@ TEST_CASE("The stochastic evaluation is reciprocal in expectation", "[walk]") {
         Estimate e;
         walk::Random random(31);
         for (int i = 0; i < 60000; ++i) {
-            const Vec2 first(random.uniform(), random.uniform());
-            e.add(static_cast<double>(walk::evaluateMultiple(m, wo, wi, facets, first, random).x));
+            e.add(static_cast<double>(walk::evaluateMultiple(m, wo, wi, facets, walk::drawEnds(random), random).x));
         }
         return e;
     };
@@ -379,8 +376,7 @@ TEST_CASE("Walks are finite from alpha 1e-3 to 10, to grazing and beyond", "[wal
             const walk::Exit e = sampleWalk(m, wo, facets, random);
             CHECK((isFinite(e.w) && isFinite(e.throughput) && maxComponent(e.throughput) <= 1.0001F));
             const Vec3 wi = i % 2 == 0 ? e.w : squareToSphere({random.uniform(), random.uniform()});
-            const Vec2 first(random.uniform(), random.uniform());
-            const Vec3 f = walk::evaluate(m, wo, wi, facets, first, random);
+            const Vec3 f = walk::evaluate(m, wo, wi, facets, walk::drawEnds(random), random);
             if (!isFinite(f) || f.x < 0) FAIL(f.x << " at wi.z " << wi.z << ", wo.z " << wo.z << ", det " << m.det);
         }
     };

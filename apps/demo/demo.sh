@@ -42,8 +42,13 @@ say() { printf '[%3d s] %s\n' "$SECONDS" "$*"; }
 # Pictures are put together on a canvas: oiiotool arguments are collected in `canvas`, then run.
 ground=0.085,0.088,0.095
 ink=0.88,0.88,0.88
-font=DejaVuSans
-oiiotool --create 8x8 3 --text:font=$font x -o "$out/label.png" >/dev/null 2>&1 || font=
+font=
+for name in DejaVuSans /usr/share/fonts/truetype/dejavu/DejaVuSans.ttf; do # by its name where this oiiotool finds it so
+    if oiiotool --create 8x8 3 --text:font=$name x -o "$out/label.png" >/dev/null 2>&1; then
+        font=$name
+        break
+    fi
+done
 rm -f "$out/label.png"
 [ -n "$font" ] || say "no labels: oiiotool can't draw text with DejaVuSans (apt-get install fonts-dejavu-core)"
 

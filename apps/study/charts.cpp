@@ -10,6 +10,7 @@ std::span<const ChartEntry> allCharts() {
         {"interpolation", "schemes that interpolate it within a triangle", measureInterpolation},
         {"subdivision", "levels of subdivision", measureSubdivision},
         {"multiscatter", "light that meets more than one facet: energy, directions, cost", measureMultiscatter},
+        {"walk", "how noisy the walk from facet to facet is, and what it costs", measureWalk},
         {"bvh", "refitting and rebuilding the BVH of a deforming mesh", measureBvh},
         {"plan", "what an error that is asked for costs, and whether it is kept", measurePlan},
         {"render", "the whole renderer by samples, models and samplers; Cycles where Blender is", measureRender},

@@ -15,6 +15,7 @@ Chart measureGradient(const ChartOptions &options);
 Chart measureInterpolation(const ChartOptions &options);
 Chart measureSubdivision(const ChartOptions &options);
 Chart measureMultiscatter(const ChartOptions &options);
+Chart measureWalk(const ChartOptions &options);
 Chart measureBvh(const ChartOptions &options);
 Chart measurePlan(const ChartOptions &options);
 Chart measureRender(const ChartOptions &options);

@@ -30,7 +30,7 @@ LobePicture lobePicture(const Bsdf &bsdf, const Frame &frame, const LobeQuestion
             for (std::uint32_t i = 0; i < question.samples; ++i) {
                 const DVec2 offset(sobol2(i, seed));
                 const Vec3 w = lobeDirection(column + offset.x, static_cast<double>(row) + offset.y, picture.width);
-                const BsdfEval e = point.evaluate(toLocal(w), hash(i, seed));
+                const BsdfEval e = point.evaluate(toLocal(w), walk::numbersOf(hash(i, seed)));
                 sum += static_cast<double>(question.pdf ? e.pdf : e.fCos.x);
             }
             picture.values[at] = static_cast<float>(sum / question.samples);

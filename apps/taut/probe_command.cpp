@@ -173,7 +173,7 @@ int pdf(const ProbeArguments &arguments) {
         parallelFor(parts.count, 1, [&](std::size_t part) {
             const std::uint32_t seed = hash(arguments.seed, static_cast<std::uint32_t>(part));
             for (std::uint32_t i = 0; i < parts.each; ++i)
-                f[part] += static_cast<double>(point.evaluate(wi, hash(i, seed)).fCos.x) / (parts.each * static_cast<double>(wi.z));
+                f[part] += static_cast<double>(point.evaluate(wi, walk::numbersOf(hash(i, seed))).fCos.x) / (parts.each * static_cast<double>(wi.z));
         });
         const Estimate e = wi.z > 0 ? estimate(f) : Estimate{};
         const float used = point.evaluate(wi).pdf;

@@ -3,6 +3,8 @@
 
 #include "harness.h"
 
+#include <cstdint>
+
 namespace taut::fuzz {
 
 /// Random numbers of one mutation.

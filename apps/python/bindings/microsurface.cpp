@@ -188,24 +188,21 @@ py::object averageAlbedo(const py::array &transforms) {
     return tableOf(m.rows, [&](std::size_t row) { return energy::averageAlbedo(m.transformAt(row)); });
 }
 
-/// A row's own random numbers, whatever thread it runs on, and the two that a walk takes first.
-struct WalkNumbers {
-    walk::Random random;
-    Vec2 first;
-    WalkNumbers(std::uint32_t seed, std::size_t row) : random((static_cast<std::uint64_t>(seed) << 32U) ^ static_cast<std::uint64_t>(row)) {
-        first.x = random.uniform();
-        first.y = random.uniform();
-    }
-};
+/// A row's own random numbers, whatever thread it runs on.
+walk::Random randomOfRow(std::uint32_t seed, std::size_t row) {
+    return walk::Random((static_cast<std::uint64_t>(seed) << 32U) ^ static_cast<std::uint64_t>(row));
+}
 
 py::object walkFrom(const py::array &transforms, const py::array &viewers, const py::array &colors, std::uint32_t seed) {
     const TransformRows<float> m(transforms);
     const Rows<float> wo(viewers);
     const Rows<float> color(colors);
     return tableOf(rowCount(m, wo, color), [&](std::size_t row) {
-        WalkNumbers numbers(seed, row);
+        walk::Random random = randomOfRow(seed, row);
+        const float x = random.uniform();
+        const Vec2 first(x, random.uniform());
         const walk::UniformReflector mirror{color.vectorAt(row)};
-        const walk::Exit exit = walk::sample(m.transformAt(row), wo.vectorAt(row), mirror, numbers.first, numbers.random);
+        const walk::Exit exit = walk::sample(m.transformAt(row), wo.vectorAt(row), mirror, first, random);
         return std::tuple(exit.w, exit.throughput, static_cast<std::int32_t>(exit.bounces));
     });
 }
@@ -217,10 +214,11 @@ py::object evaluateWalk(const py::array &transforms, const py::array &viewers, c
     const Rows<float> wi(lights);
     const Rows<float> color(colors);
     return tableOf(rowCount(m, wo, wi, color), [&](std::size_t row) {
-        WalkNumbers numbers(seed, row);
+        walk::Random random = randomOfRow(seed, row);
+        const walk::Ends ends = walk::drawEnds(random);
         const walk::UniformReflector mirror{color.vectorAt(row)};
         const Vec3 w = wi.vectorAt(row);
-        return w.z > 0 ? walk::evaluate(m.transformAt(row), wo.vectorAt(row), w, mirror, numbers.first, numbers.random) : Vec3(0);
+        return w.z > 0 ? walk::evaluate(m.transformAt(row), wo.vectorAt(row), w, mirror, ends, random) : Vec3(0);
     });
 }
 

@@ -126,7 +126,7 @@ Lobe evaluatedLobe(const MicroTransform &m, const Treatment &treatment, const Is
         }
         if (!(wi.z > 0)) continue;
         const double pdf = 0.5 * static_cast<double>(guide.evaluate(wi).pdf) + 0.5 * static_cast<double>(kInvPi * wi.z);
-        add(lobe, wi, scale * static_cast<double>(point.evaluate(wi, i).fCos.x) / pdf / samples);
+        add(lobe, wi, scale * static_cast<double>(point.evaluate(wi, walk::numbersOf(i)).fCos.x) / pdf / samples);
     }
     return lobe;
 }
@@ -200,7 +200,7 @@ std::function<void()> timedRun(const MicroTransform &m, const Treatment &treatme
         for (std::uint32_t i = 0; i < wos.size(); ++i) {
             const ScatteringPoint point(bsdf, wos[i]);
             const float scale = isTable ? 1 / table.albedo(bsdf.micro, wos[i]) : 1.0F;
-            sum += scale * point.evaluate(wis[i], i).fCos.x;
+            sum += scale * point.evaluate(wis[i], walk::numbersOf(i)).fCos.x;
             const std::uint32_t bits = hash(i);
             if (const auto s = point.sample({toUnitFloat(bits), toUnitFloat(hash(bits))}, toUnitFloat(hash(bits + 1)), bits))
                 sum += scale * s->weight.x;

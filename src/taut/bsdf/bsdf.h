@@ -37,10 +37,10 @@ class ScatteringPoint {
     }
 
     /// fCos and pdf of a given wi. `seed` names the walk, where there is one: another one for every call of a path.
-    [[nodiscard]] BsdfEval evaluate(const Vec3 &wi, std::uint32_t seed = 0) const {
+    [[nodiscard]] BsdfEval evaluate(const Vec3 &wi, const walk::Numbers &numbers = {}) const {
         if (passes_) return {}; // straight on alone, which no other sampler meets
         if (multiple_.treatment == Multiscatter::Walk) {
-            const multiple::WalkEval e = evaluateParts(wi, seed);
+            const multiple::WalkEval e = evaluateParts(wi, numbers);
             const BsdfEval lobes = evaluateBeside(wi);
             return {e.single.fCos + e.multiple.fCos + lobes.fCos, e.single.pdf + e.multiple.pdf + lobes.pdf};
         }
@@ -55,9 +55,9 @@ class ScatteringPoint {
 
     /// In the parts that are weighed against light samples one by one: all of it is `single` but for a walk's second and later facets,
     /// and what evaluateBeside() gives.
-    [[nodiscard]] multiple::WalkEval evaluateParts(const Vec3 &wi, std::uint32_t seed = 0) const {
+    [[nodiscard]] multiple::WalkEval evaluateParts(const Vec3 &wi, const walk::Numbers &numbers = {}) const {
         if (multiple_.treatment != Multiscatter::Walk) return {evaluate(wi), {}};
-        multiple::WalkEval e = multiple::evaluateWalk(view_.bsdf, view_.wo, wi, seed);
+        multiple::WalkEval e = multiple::evaluateWalk(view_.bsdf, multiple_, view_.wo, wi, numbers);
         if (!walksBesideLobes()) return e;
         for (BsdfEval *part : {&e.single, &e.multiple}) {
             part->fCos *= view_.layers.under;
@@ -92,10 +92,10 @@ class ScatteringPoint {
     [[nodiscard]] bool walksBesideLobes() const { return bsdfInfo(view_.bsdf.type).reads(kMetallicKey); }
 
     [[nodiscard]] std::optional<BsdfSample> sampleWalk(const Vec2 &u, float lobe, std::uint32_t seed) const {
-        if (!walksBesideLobes()) return multiple::sampleWalk(view_.bsdf, view_.wo, u, seed);
+        if (!walksBesideLobes()) return multiple::sampleWalk(view_.bsdf, multiple_, view_.wo, u, seed);
         const float facets = view_.layers.facets;
         if (lobe < facets) {
-            std::optional<BsdfSample> s = multiple::sampleWalk(view_.bsdf, view_.wo, u, seed);
+            std::optional<BsdfSample> s = multiple::sampleWalk(view_.bsdf, multiple_, view_.wo, u, seed);
             if (!s) return s;
             s->weight *= view_.layers.under / facets;
             s->pdf *= facets;

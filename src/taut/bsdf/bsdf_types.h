@@ -84,7 +84,7 @@ struct BsdfSample {
 struct MultipleScattering {
     Multiscatter treatment = Multiscatter::Off; ///< Off, Compensation or Walk
     float loss = 0;                             ///< share of energy that meets more than one facet, F = 1
-    float lossMean = 0;                         ///< compensation: its cosine-weighted mean over the hemisphere
+    float lossMean = 0;                         ///< its cosine-weighted mean over the hemisphere; of walks between reflecting facets too
     float probability = 0;                      ///< compensation: of sampling the compensating lobe
     Vec3 color{0};                              ///< compensation: of the lobe
 };

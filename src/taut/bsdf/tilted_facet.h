@@ -27,19 +27,19 @@ class FacetScattering {
     [[nodiscard]] bool mayLeave(const Vec3 &wi, bool viewersSide) const { return facet_ != nullptr || viewersSide == (wi.z > 0); }
 
     /// use(BsdfEval) for all that is scattered towards wi, shading frame, in parts that are weighed one by one.
-    template <class Use> void forEachPart(const Vec3 &wi, std::uint32_t seed, const Use &use) const {
+    template <class Use> void forEachPart(const Vec3 &wi, const walk::Numbers &numbers, const Use &use) const {
         forEachSource(wi, [&](const Vec3 &local) {
-            const auto [single, multiple] = point_.evaluateParts(local, seed);
+            const auto [single, multiple] = point_.evaluateParts(local, numbers);
             use(single);
             use(multiple);
             use(point_.evaluateBeside(local));
         });
     }
     /// Their sum.
-    [[nodiscard]] BsdfEval evaluate(const Vec3 &wi, std::uint32_t seed = 0) const {
+    [[nodiscard]] BsdfEval evaluate(const Vec3 &wi, const walk::Numbers &numbers = {}) const {
         BsdfEval sum;
         forEachSource(wi, [&](const Vec3 &local) {
-            const BsdfEval e = point_.evaluate(local, seed);
+            const BsdfEval e = point_.evaluate(local, numbers);
             sum.fCos += e.fCos;
             sum.pdf += e.pdf;
         });

@@ -18,6 +18,7 @@
 
 #include "taut/microsurface/facet.h"
 #include "taut/microsurface/ggx.h"
+#include "taut/microsurface/walk_depth.h"
 
 namespace taut::walk {
 
@@ -40,6 +41,26 @@ class Random {
   private:
     std::uint64_t state_;
 };
+
+/// What the first and the last facet of an evaluated walk are drawn by, uniform in [0, 1): worth stratifying.
+struct Ends {
+    Vec2 first{0.5F}, last{0.5F};
+};
+/// With what all facets between draw from.
+struct Numbers {
+    Ends ends;
+    std::uint32_t seed = 0;
+};
+inline Ends drawEnds(Random &random) {
+    Ends ends;
+    for (float *u : {&ends.first.x, &ends.first.y, &ends.last.x, &ends.last.y}) *u = random.uniform(); // in this order
+    return ends;
+}
+inline Numbers numbersOf(std::uint32_t seed) {
+    Random random(seed);
+    const Ends ends = drawEnds(random);
+    return {ends, random.bits()};
+}
 
 /// Facets after which a walk is given up: the light that is still inside is lost. At alpha = 10 that is less than 1e-5 of it.
 inline constexpr int kMostBounces = 1024;
@@ -184,11 +205,69 @@ template <class Interface> Vec3 evaluateSingle(const MicroTransform &m, const Ve
     });
 }
 
-/// An unbiased estimate of the light of two and more bounces: f cos as energy per solid angle of wi, by next-event estimation at
-/// every facet of one walk from wo.
+/// Light of two and more bounces between reflecting facets, as evaluateMultiple(): a walk whose heights are integrated out, which never
+/// leaves by itself but carries the chance that it has not (DepthPhases). The last two facets of every path are found in two ways, by the
+/// walk's own next direction and by one that is drawn backwards from wi, weighed by the balance heuristic (Veach & Guibas 1995): where
+/// one lobe is narrow the other way does not miss it.
 template <class Interface>
-Vec3 evaluateMultiple(const MicroTransform &m, const Vec3 &wo, const Vec3 &wi, const Interface &interface, const Vec2 &first,
-                      Random &random) {
+Vec3 evaluateReflected(const MicroTransform &m, const Vec3 &wo, const Vec3 &wi, const Interface &interface, const Ends &ends,
+                       Random &random) {
+    float area = ggx::visibleArea(m, wo, ggx::stretchedLength(m, wo));
+    if (!(wi.z > 0) || !(area > 0)) return Vec3(0);
+    const float lambdaI = ggx::lambda(m, wi);
+    const float areaI = ggx::visibleArea(m, wi, ggx::stretchedLength(m, wi));
+    // Backwards from wi: along v, from the facet before the last.
+    const Vec3 lastNormal = ggx::sampleVisibleNormal(m, wi, ends.last);
+    const float lastCosine = glm::dot(wi, lastNormal);
+    const Vec3 toLast = -glm::normalize(2 * lastCosine * lastNormal - wi);
+    const Flight lastFlight(m, toLast);
+    float ignored = 0;
+    const float backwards = reflectionDensity(m, wi, areaI, -toLast, ignored);
+    const bool hasLast = lastCosine > 0 && backwards > 0;
+    const Vec3 lastReflectance = interface.reflectance(lastCosine, false);
+
+    Vec3 sum(0);
+    Vec3 v = wo;
+    DepthPhases depth(wo.z > 0 ? Flight(m, -wo).rate() : 1.0F); // as firstDepth()
+    Vec3 throughput(1);
+    Vec2 u = ends.first;
+    for (int bounce = 1; bounce < kMostBounces; ++bounce, u = {random.uniform(), random.uniform()}) {
+        // v -> toLast -> wi. The lobe of a facet that sees -w is D / (2 area(-w)), and its flight's chance has the factor area(-w).
+        float cosine = 0;
+        const float forwards = reflectionDensity(m, v, area, toLast, cosine);
+        if (hasLast && forwards > 0) {
+            const float pair = forwards * backwards * areaI / (forwards + backwards) * depth.stopThenEscape(lastFlight, lambdaI);
+            sum += throughput * interface.reflectance(cosine, false) * lastReflectance * pair;
+        }
+        const Vec3 wm = ggx::sampleVisibleNormal(m, v, u);
+        cosine = glm::dot(v, wm);
+        if (!(cosine > 0)) continue; // rounding: the facet is seen edge-on and the light passes it by
+        const Vec3 w = glm::normalize(2 * cosine * wm - v);
+        throughput *= interface.reflectance(cosine, false);
+        const Flight flight(m, w);
+        // v -> w -> wi.
+        const float there = reflectionDensity(m, v, area, w, ignored);
+        const float back = reflectionDensity(m, wi, areaI, -w, cosine);
+        if (there > 0 && back > 0) {
+            const float pair = there * back * areaI / (there + back) * depth.stopThenEscape(flight, lambdaI);
+            sum += throughput * interface.reflectance(cosine, false) * pair;
+        }
+        throughput *= depth.stop(flight, random.uniform());
+        const float survive = maxComponent(throughput);
+        if (survive < 1) {
+            if (!(random.uniform() < survive)) break;
+            throughput /= survive;
+        }
+        v = -w;
+        area = flight.area;
+    }
+    return sum;
+}
+
+/// Light of two and more bounces by next-event estimation at every facet of a walk (Heitz et al. 2016, section 7).
+template <class Interface>
+Vec3 evaluateByNextEvents(const MicroTransform &m, const Vec3 &wo, const Vec3 &wi, const Interface &interface, const Vec2 &first,
+                          Random &random) {
     Vec3 sum(0);
     trace(m, wo, interface, first, random, [&](const Vertex &x) {
         if (x.bounce == 1) return;
@@ -199,10 +278,20 @@ Vec3 evaluateMultiple(const MicroTransform &m, const Vec3 &wo, const Vec3 &wi, c
     return sum;
 }
 
+/// An unbiased estimate of the light of two and more bounces: f cos as energy per solid angle of wi, by one walk from wo.
+template <class Interface>
+Vec3 evaluateMultiple(const MicroTransform &m, const Vec3 &wo, const Vec3 &wi, const Interface &interface, const Ends &ends,
+                      Random &random) {
+    if constexpr (Interface::kTransmits)
+        return evaluateByNextEvents(m, wo, wi, interface, ends.first, random);
+    else
+        return evaluateReflected(m, wo, wi, interface, ends, random);
+}
+
 /// Both: the whole f cos, an unbiased estimate.
 template <class Interface>
-Vec3 evaluate(const MicroTransform &m, const Vec3 &wo, const Vec3 &wi, const Interface &interface, const Vec2 &first, Random &random) {
-    return evaluateSingle(m, wo, wi, interface) + evaluateMultiple(m, wo, wi, interface, first, random);
+Vec3 evaluate(const MicroTransform &m, const Vec3 &wo, const Vec3 &wi, const Interface &interface, const Ends &ends, Random &random) {
+    return evaluateSingle(m, wo, wi, interface) + evaluateMultiple(m, wo, wi, interface, ends, random);
 }
 
 /// A mirror of one reflectance: the white furnace where it is 1.

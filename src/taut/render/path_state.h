@@ -15,7 +15,7 @@ namespace taut {
 /// Dimensions of the sample sequence that every event draws.
 enum EventDimension : std::uint32_t { kScatterDirection, kScatterLobe, kLightPoint, kLightChoice, kRoulette, kPerEvent };
 /// And those that only some scenes draw, far above: the others keep theirs.
-enum RareDimension : std::uint32_t { kSurfaces = 0x40000000, kShadowSurfaces = 0x80000000 };
+enum RareDimension : std::uint32_t { kWalkFirst = 0x10000000, kWalkLast = 0x20000000, kSurfaces = 0x40000000, kShadowSurfaces = 0x80000000 };
 
 struct Path {
     Vec3 throughput{1};
@@ -88,6 +88,12 @@ struct PathTracer::State {
     /// Names the walk within the microsurface, where the material asks for one.
     [[nodiscard]] static std::uint32_t walkSeed(const Path &path, const SurfacePoint &point, std::uint32_t dimension) {
         return point.bsdf.multiscatter == Multiscatter::Walk ? hash(path.sample, hash(path.seed, ~dimension)) : 0;
+    }
+    /// What its light towards a lamp is evaluated with.
+    [[nodiscard]] walk::Numbers walkNumbers(const Path &path, const SurfacePoint &point, int event) const {
+        if (point.bsdf.multiscatter != Multiscatter::Walk) return {};
+        return {{random2(path, dimensionOf(event, kWalkFirst)), random2(path, dimensionOf(event, kWalkLast))},
+                walkSeed(path, point, dimensionOf(event, kLightPoint))};
     }
     static std::uint32_t dimensionOf(int event, EventDimension which) {
         return kCameraDimensions + static_cast<std::uint32_t>(event) * kPerEvent + which;

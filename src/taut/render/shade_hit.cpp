@@ -13,7 +13,7 @@ void PathTracer::State::connectLight(int event, Index index, const SurfacePoint 
     const float side = glm::dot(light.direction, point.geometricNormal);
     if (!scattering.mayLeave(wi, side > 0)) return;
     Vec3 contribution(0);
-    scattering.forEachPart(wi, walkSeed(path, point, dimensionOf(event, kLightPoint)), [&](const BsdfEval &part) {
+    scattering.forEachPart(wi, walkNumbers(path, point, event), [&](const BsdfEval &part) {
         if (!(part.pdf > 0)) return;
         const float weight = light.delta ? 1.0F : powerHeuristic(light.pdf, part.pdf);
         contribution += path.throughput * part.fCos * light.radiance * (weight / light.pdf);
