@@ -100,7 +100,7 @@ TEST_CASE("Without a tolerance a plan leaves light of several facets out where i
         return makePlan(scene, tolerance);
     };
     const Scene lamp = plateUnder(0.15F, 20, 0);
-    const ScenePlan few = planAt(lamp, 16, {});
+    const ScenePlan few = planAt(lamp, 2, {});
     CHECK(few.materials[0].model == Multiscatter::Off);
     CHECK(few.errorInNoise > kDefaultTolerance);
     CHECK(few.predictedError <= kDefaultTolerance);
@@ -110,10 +110,10 @@ TEST_CASE("Without a tolerance a plan leaves light of several facets out where i
     CHECK(many.materials[0].model == Multiscatter::Walk);
     CHECK(many.errorInNoise == 0);
     // Four times the samples, half the noise.
-    CHECK(planAt(lamp, 64, {}).materials[0].question->choices.back().noise ==
+    CHECK(planAt(lamp, 8, {}).materials[0].question->choices.back().noise ==
           Approx(0.5F * few.materials[0].question->choices.back().noise));
     // A tolerance that is asked for is kept, whatever the noise; even light brings none.
-    CHECK(planAt(lamp, 16, kDefaultTolerance).materials[0].model == Multiscatter::Walk);
+    CHECK(planAt(lamp, 2, kDefaultTolerance).materials[0].model == Multiscatter::Walk);
     CHECK(planAt(plateUnder(0.15F, 0, 1), 1, {}).materials[0].model == Multiscatter::Walk);
     // What is asked for by name stays.
     Scene named = lamp;
