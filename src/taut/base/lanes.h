@@ -6,10 +6,10 @@
 namespace taut {
 
 /// Lanes of vectors.
-template <int kSize> struct Lanes3 {
-    float x[kSize], y[kSize], z[kSize];
-    [[nodiscard]] Vec3 at(std::size_t i) const { return {x[i], y[i], z[i]}; }
-    void set(std::size_t i, const Vec3 &v) {
+template <int kSize, class T = float> struct Lanes3 {
+    T x[kSize], y[kSize], z[kSize];
+    [[nodiscard]] Vector3<T> at(std::size_t i) const { return {x[i], y[i], z[i]}; }
+    void set(std::size_t i, const Vector3<T> &v) {
         x[i] = v.x;
         y[i] = v.y;
         z[i] = v.z;
