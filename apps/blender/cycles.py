@@ -120,7 +120,7 @@ def array(name, kind, columns):
     return numpy.fromfile(os.path.join(FOLDER, name), kind).reshape(-1, columns)
 
 
-def add_mesh(scene, description, material):
+def add_mesh(scene, description, materials):
     points = array(description["points"][0], "<f4", 3)
     triangles = array(description["triangles"], "<i4", 3)
     corner_uvs = array(description["corner_uvs"], "<f4", 2)
@@ -135,7 +135,13 @@ def add_mesh(scene, description, material):
     mesh.polygons.foreach_set("use_smooth", numpy.full(len(triangles), True))
     mesh.uv_layers.new(name="UVMap").data.foreach_set("uv", corner_uvs.ravel())
     mesh.update(calc_edges=True)
-    mesh.materials.append(material)
+    for name in description["materials"]:
+        mesh.materials.append(materials[name])
+    if "slots" in description:
+        mesh.polygons.foreach_set("material_index", array(description["slots"], "<i4", 1).ravel())
+    if "corner_normals" in description:
+        versions.keep_custom_normals(mesh)
+        mesh.normals_split_custom_set(array(description["corner_normals"], "<f4", 3))
     scene.collection.objects.link(bpy.data.objects.new(description["name"], mesh))
     return mesh
 
@@ -165,11 +171,72 @@ def add_material(description):
     elif kind == "diffuse":
         node = tree.nodes.new("ShaderNodeBsdfDiffuse")
         node.inputs["Roughness"].default_value = 0
+    elif kind == "metallic_roughness":
+        add_metallic_roughness(tree, description, output)
+        return material
     else:
-        raise ValueError(f"found a material of type {kind!r}, expected conductor, dielectric or diffuse")
-    node.inputs["Color"].default_value = (*description["color"], 1)
+        raise ValueError(f"found a material of type {kind!r}, expected conductor, dielectric, diffuse or metallic_roughness")
+    set_color(tree, description, node)
     tree.links.new(node.outputs["BSDF"], output.inputs["Surface"])
     return material
+
+
+def set_color(tree, description, node):
+    color, texture = description["color"], description.get("color_texture")
+    node.inputs["Color"].default_value = (*color, 1)
+    if texture is None:
+        return
+    image = tree.nodes.new("ShaderNodeTexImage")
+    path = os.path.join(FOLDER, texture["file"])
+    image.image = next((i for i in bpy.data.images if i.filepath == path), None) or bpy.data.images.load(path)
+    versions.set_linear(image.image.colorspace_settings)
+    image.extension = "REPEAT" if texture["repeats"] else "EXTEND"
+    out = image.outputs["Color"]
+    if color != [1, 1, 1]:
+        scaled = tree.nodes.new("ShaderNodeVectorMath")
+        scaled.operation = "MULTIPLY"
+        tree.links.new(out, scaled.inputs[0])
+        scaled.inputs[1].default_value = color
+        out = scaled.outputs["Vector"]
+    tree.links.new(out, node.inputs["Color"])
+
+
+def add_metallic_roughness(tree, description, output):
+    """glTF's formula, its Fresnel term at the surface's normal, as Cycles has no node with that at the half vector: a diffuse lobe under a
+    dielectric's, mixed with a metal's."""
+
+    def glossy(colored):
+        node = tree.nodes.new("ShaderNodeBsdfAnisotropic" if versions.has_one_glossy_node() else "ShaderNodeBsdfGlossy")
+        node.distribution = "GGX"
+        node.inputs["Roughness"].default_value = math.sqrt(description["alpha"][0])
+        if colored:
+            set_color(tree, description, node)
+        else:
+            node.inputs["Color"].default_value = (1, 1, 1, 1)
+        return node.outputs["BSDF"]
+
+    def mixed(first, second, share):
+        node = tree.nodes.new("ShaderNodeMixShader")
+        if isinstance(share, float):
+            node.inputs[0].default_value = share
+        else:
+            tree.links.new(share, node.inputs[0])
+        tree.links.new(first, node.inputs[1])
+        tree.links.new(second, node.inputs[2])
+        return node.outputs["Shader"]
+
+    metallic = float(description["metallic"])
+    shader = None
+    if metallic < 1:
+        diffuse, fresnel = tree.nodes.new("ShaderNodeBsdfDiffuse"), tree.nodes.new("ShaderNodeFresnel")
+        diffuse.inputs["Roughness"].default_value = 0
+        set_color(tree, description, diffuse)
+        fresnel.inputs["IOR"].default_value = description["ior"]
+        shader = mixed(diffuse.outputs["BSDF"], glossy(False), fresnel.outputs["Fac"])
+    if metallic > 0:
+        metal = glossy(True)
+        shader = metal if shader is None else mixed(shader, metal, metallic)
+    tree.links.new(shader, output.inputs["Surface"])
 
 
 def set_environment(scene, description, sampled):
@@ -204,7 +271,7 @@ def serve(path):
     materials = {material["name"]: add_material(material) for material in description["materials"]}
     moving = []
     for item in description["meshes"]:
-        mesh = add_mesh(scene, item, materials[item["material"]])
+        mesh = add_mesh(scene, item, materials)
         if len(item["points"]) > 1:
             moving.append((mesh, [array(name, "<f4", 3) for name in item["points"]]))
     add_camera(scene, description["camera"])

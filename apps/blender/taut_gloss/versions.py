@@ -75,6 +75,11 @@ def has_custom_normals(mesh):
     return mesh.has_custom_normals
 
 
+def has_one_glossy_node():
+    """Since 4.0 the anisotropic node is the glossy one."""
+    return bpy.app.version >= (4, 0, 0)
+
+
 GLOSSY_NODES = {"BSDF_ANISOTROPIC", "BSDF_GLOSSY"}  # one node since 4.0, under the first name
 
 EMISSION = ("Emission", "Emission Color")  # of a Principled node; the second since 4.0

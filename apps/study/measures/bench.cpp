@@ -8,6 +8,7 @@
 #include "study/measures/timing.h"
 
 #include "taut/base/error.h"
+#include "taut/render/aov.h"
 #include "taut/render/memory_use.h"
 
 #include <sys/wait.h>
@@ -32,6 +33,19 @@ struct Ours {
     [[nodiscard]] double updates() const { return stages.deformation + stages.gradient + stages.bvh; }
     [[nodiscard]] double seconds() const { return updates() + traced; }
 };
+
+/// Share of camera rays that meet a surface.
+double foregroundOf(const RenderScene &ready) {
+    FrameOptions options;
+    options.spp = 1;
+    options.aovs = {*findAov("depth")};
+    const FrameResult result = renderFrame(ready, options);
+    const std::vector<float> values = result.film.resolve();
+    const std::size_t stride = result.film.channelNames().size();
+    std::size_t seen = 0;
+    for (std::size_t i = 4; i < values.size(); i += stride) seen += values[i] > 0 ? 1 : 0;
+    return static_cast<double>(seen) / static_cast<double>(values.size() / stride);
+}
 
 Ours renderAll(RenderScene &ready, int spp) {
     Ours total;
@@ -223,6 +237,7 @@ json measureBench(const BenchScene &bench, const BenchOptions &options) {
              {"frames", frames},
              {"spp", options.spp},
              {"rounds", options.rounds},
+             {"foreground", foregroundOf(ready)},
              {"rays_per_sample", static_cast<double>(total.counts.rays()) / static_cast<double>(total.counts.paths)},
              {"ratio_to_cycles", nullptr},
              {"cycles_samples_per_s", nullptr},
@@ -239,6 +254,7 @@ json measureBench(const BenchScene &bench, const BenchOptions &options) {
              {"peak_mb", peak},
              {"cycles_peak_mb", cycles ? json(cyclesPeak) : json(nullptr)},
              {"memory", memoryJson(memoryUse(ready))}};
+    out["foreground_samples_per_s"] = out["foreground"].get<double>() * quartilesOf(rates["samples_per_s"]).median;
     for (const auto &[name, values] : rates) {
         const Quartiles q = quartilesOf(values);
         out[name] = q.median;

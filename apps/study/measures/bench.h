@@ -20,6 +20,7 @@ struct BenchOptions {
 
 /// What the fields mean:
 ///   samples_per_s, seconds_per_frame  whole frames: deformation, gradient, BVH update and tracing
+///   foreground                        share of the samples whose camera ray meets a surface; foreground_samples_per_s: those alone
 ///   rays_per_s, ratio_to_embree       tracing alone, as the replay is
 ///   ratio_to_cycles                   whole frames; a static scene is in memory in both
 ///   equal_error_time_ratio_to_cycles  the greatest of the three in equal_error: our time to reach the error that Cycles has after

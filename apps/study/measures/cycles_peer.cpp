@@ -46,6 +46,22 @@ std::vector<Vec3> worldPoints(const RenderScene &ready, const RenderObject &obje
     return points;
 }
 
+/// World normals of the triangles' corners.
+std::vector<Vec3> cornerNormals(const RenderScene &ready, const RenderObject &object) {
+    const std::vector<Vec3> &normals = object.steps.front().normals;
+    std::vector<Vec3> corners;
+    for (const Index3 &t : object.surface.triangles)
+        for (int k = 0; k < 3; ++k) {
+            const Vec3 n = object.placements.empty() ? normals[t[k]] : transformVector(object.placements.front(), normals[t[k]]);
+            corners.push_back(glm::normalize(Vec3(Mat3(ready.worldFromRender()) * n)));
+        }
+    return corners;
+}
+
+std::string materialName(std::size_t index) {
+    return "material" + std::to_string(index);
+}
+
 json meshJson(const RenderScene &ready, std::size_t index, const fs::path &folder) {
     const RenderObject &object = ready.objects()[index];
     const Surface &surface = object.surface;
@@ -59,24 +75,60 @@ json meshJson(const RenderScene &ready, std::size_t index, const fs::path &folde
     const std::string name = "mesh" + std::to_string(index);
     writeArray(folder / (name + ".triangles"), triangles);
     writeArray(folder / (name + ".uvs"), uvs);
-    return {{"name", name},
-            {"material", ready.scene().materials[object.object->materials.front()].name},
-            {"triangles", name + ".triangles"},
-            {"corner_uvs", name + ".uvs"},
-            {"points", json::array()}};
+    json out{{"name", name},
+             {"materials", json::array()},
+             {"triangles", name + ".triangles"},
+             {"corner_uvs", name + ".uvs"},
+             {"points", json::array()}};
+    for (const Index material : object.object->materials) out["materials"].push_back(materialName(material));
+    if (!surface.triangleSlots.empty()) {
+        writeArray(folder / (name + ".slots"), surface.triangleSlots);
+        out["slots"] = name + ".slots";
+    }
+    if (object.mesh().normals.empty() && object.object->smooth) return out;
+    if (ready.scene().render.frames.size() > 1) throw RunError("can't give moving normals of corners to Cycles");
+    writeArray(folder / (name + ".normals"), cornerNormals(ready, object));
+    out["corner_normals"] = name + ".normals";
+    return out;
 }
 
-json materialJson(const Material &material) {
-    json out{{"name", material.name}, {"color", toJson(material.color.value)}};
+/// Writes a texture once as linear floats, and says how it is looked up.
+json textureJson(const Scene &scene, Index index, const fs::path &folder) {
+    const Texture &texture = scene.textures[index];
+    if (texture.sampler.moved || texture.sampler.uvSet != 0 || texture.sampler.nearest || texture.sampler.wrapU == TextureWrap::Mirror ||
+        texture.sampler.wrapU != texture.sampler.wrapV)
+        throw RunError("can't give the texture '" + texture.name + "' to Cycles");
+    const std::string file = "texture" + std::to_string(index) + ".exr";
+    Image image{{0, 0, texture.width, texture.height}, texture.width, texture.height, {"R", "G", "B"}, {}};
+    const auto channels = static_cast<std::size_t>(texture.channels);
+    for (std::size_t i = 0; i < texture.texels.size(); i += channels)
+        for (std::size_t c = 0; c < 3; ++c) image.values.push_back(texture.texels[i + (channels < 3 ? 0 : c)]);
+    writeImage((folder / file).string(), image, {});
+    return {{"file", file}, {"repeats", texture.sampler.wrapU == TextureWrap::Repeat}};
+}
+
+json materialJson(const Scene &scene, std::size_t index, const fs::path &folder) {
+    const Material &material = scene.materials[index];
+    json out{{"name", materialName(index)}, {"color", toJson(material.color.value)}, {"type", bsdfInfo(material.type).name}};
+    const auto refuse = [&] { throw RunError("can't give the material '" + material.name + "' to Cycles"); };
+    if (material.alphaX.texture != kNone || material.alphaY.texture != kNone || material.metallic.texture != kNone ||
+        material.slopes.isGiven() || material.alphaMode != AlphaMode::Opaque)
+        refuse();
     switch (material.type) {
     case BsdfType::Conductor:
     case BsdfType::Metal:
     case BsdfType::Dielectric:
-    case BsdfType::Diffuse: out["type"] = bsdfInfo(material.type).name; break;
-    default: throw RunError("can't give the material '" + material.name + "' to Cycles");
+    case BsdfType::Diffuse: break;
+    case BsdfType::MetallicRoughness:
+        if (material.alphaX.value != material.alphaY.value || material.transmission.value > 0 || material.clearcoat.value > 0) refuse();
+        out["metallic"] = material.metallic.value;
+        break;
+    default: refuse();
     }
-    out["alpha"] = {material.alphaX.value, material.alphaY.value};
+    const auto alpha = [&](float value) { return material.alphaIsRoughness ? sqr(value) : value; };
+    out["alpha"] = {alpha(material.alphaX.value), alpha(material.alphaY.value)};
     out["ior"] = material.ior;
+    if (material.color.texture != kNone) out["color_texture"] = textureJson(scene, material.color.texture, folder);
     return out;
 }
 
@@ -104,7 +156,7 @@ void writeScene(RenderScene &ready, int threads, const fs::path &folder) {
             writeArray(folder / names.back().get<std::string>(), worldPoints(ready, ready.objects()[i]));
         }
     }
-    for (const Material &material : scene.materials) description["materials"].push_back(materialJson(material));
+    for (std::size_t i = 0; i < scene.materials.size(); ++i) description["materials"].push_back(materialJson(scene, i, folder));
     for (const Light &light : scene.lights) {
         const auto &quad = std::get<QuadLight>(light.shape);
         description["lights"].push_back({{"type", "quad"},

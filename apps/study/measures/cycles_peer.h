@@ -30,9 +30,9 @@ struct CyclesRender {
 /// log says.
 class CyclesPeer {
   public:
-    /// The scene's meshes at all its frames, its environment and all else that the scenes of benchmark and charts use: untextured
-    /// conductors of reflectance 1, dielectrics and diffuse surfaces, quad lights, an environment, a fixed pinhole camera. Leaves `ready`
-    /// at the last frame. Threads: as many as Cycles shall use.
+    /// The scene's meshes at all its frames, its environment and all else that the scenes of benchmark and charts use: conductors of
+    /// reflectance 1, dielectrics, diffuse and metallic-roughness surfaces, textures of colour alone, quad lights, an environment, a fixed
+    /// pinhole camera. Leaves `ready` at the last frame. Threads: as many as Cycles shall use.
     CyclesPeer(RenderScene &ready, int threads);
     ~CyclesPeer();
     CyclesPeer(const CyclesPeer &) = delete;

@@ -15,6 +15,7 @@
 #include <fmt/format.h>
 #include <tbb/info.h>
 
+#include <filesystem>
 #include <iostream>
 
 namespace {
@@ -64,6 +65,7 @@ const std::vector<Column> kScenes{name("scene"),
                                   number("Embree", 7, "/embree_rays_per_s", 2, 1e-6),
                                   ratio("ratio (quartiles)", "ratio_to_embree"),
                                   ratio("to Cycles", "ratio_to_cycles"),
+                                  number("seen %", 6, "/foreground", 0, 100),
                                   number("peak MB", 7, "/peak_mb", 0),
                                   number("Cycles", 7, "/cycles_peak_mb", 0),
                                   number("deform %", 8, "/share/deformation", 1, 100),
@@ -97,6 +99,7 @@ const std::vector<Column> kEqualError{name("equal error"),
 struct Arguments {
     std::string output, chart;
     std::vector<std::string> only;
+    std::vector<std::string> characters; ///< glTF files
     BenchOptions options;
     bool quick = false;
 };
@@ -112,13 +115,23 @@ void run(Arguments arguments) {
         options.cycles = false;
     }
     if (!arguments.chart.empty()) requireGnuplot(); // rather now than after the measurement
+    std::vector<BenchScene> all = benchScenes();
+    if (arguments.characters.empty())
+        std::cerr << "taut_bench: SKIPPED: characters, for neither --characters nor TAUT_CHARACTERS names a file" << std::endl;
+    for (const std::string &file : arguments.characters) {
+        if (!std::filesystem::exists(file)) {
+            std::cerr << "taut_bench: SKIPPED: " << file << " is not on this machine" << std::endl;
+            continue;
+        }
+        for (BenchScene &scene : characterScenes(file)) all.push_back(std::move(scene));
+    }
     std::vector<std::string_view> names;
-    for (const BenchScene &bench : benchScenes()) names.push_back(bench.name);
+    for (const BenchScene &bench : all) names.push_back(bench.name);
     for (const std::string &each : arguments.only)
         if (std::find(names.begin(), names.end(), each) == names.end()) failUnknownName({"--scene"}, each, names);
     json scenes = json::array();
     print(kScenes, nullptr);
-    for (const BenchScene &bench : benchScenes()) {
+    for (const BenchScene &bench : all) {
         const auto &only = arguments.only;
         if (!only.empty() && std::find(only.begin(), only.end(), bench.name) == only.end()) continue;
         scenes.push_back(measureApart(bench, options));
@@ -156,6 +169,9 @@ int main(int argc, char **argv) {
     app.add_option("--output", arguments.output, "Write what was measured as JSON");
     app.add_option("--chart", arguments.chart, "A folder for plots and a page of them");
     app.add_option("--scene", arguments.only, "Only these scenes");
+    app.add_option("--characters", arguments.characters, "glTF files that are measured too, separated by colons")
+        ->delimiter(':')
+        ->envname("TAUT_CHARACTERS");
     app.add_option("--spp", options.spp, "Samples per pixel of a timed frame")->check(CLI::Range(1, 4096));
     app.add_option("--record-spp", options.recordSpp, "Samples per pixel recorded for the replay")->check(CLI::Range(1, 64));
     app.add_option("--rounds", options.rounds, "Rounds in which all take turns")->check(CLI::Range(1, 99));

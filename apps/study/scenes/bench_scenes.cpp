@@ -2,6 +2,11 @@
 
 #include "study/scenes/scenes.h"
 
+#include "taut/base/error.h"
+#include "taut/scene/load_scene.h"
+
+#include <filesystem>
+
 namespace taut::chart {
 
 namespace {
@@ -50,7 +55,48 @@ Scene deforming(Scene scene) {
     return scene;
 }
 
+/// A square light above the camera's left, in proportion to how far it looks.
+Light lampBeside(const Camera &camera) {
+    const DVec3 target = camera.lookAt.at(1);
+    const DVec3 back = camera.position.at(1) - target;
+    const double size = glm::length(back);
+    const DVec3 right = glm::normalize(glm::cross(camera.up.at(1), back)) * size;
+    const DVec3 side = 0.25 * right;
+    const DVec3 centre = target + 0.7 * back - 0.5 * right + DVec3(0, 0, 0.7 * size);
+    const DVec3 up = 0.25 * size * glm::normalize(glm::cross(target - centre, side));
+    return {Vec3(40), QuadLight{centre - 0.5 * (side + up), side, up}}; // side x up points at the target
+}
+
+Scene character(const std::string &file) {
+    Warnings ignored;
+    Scene scene = loadScene(file, {}, ignored);
+    scene.lights.clear();
+    scene.environment.reset();
+    scene.render.width = scene.render.height = 512;
+    scene.render.maxEvents = 6;
+    scene.render.boxFilter = true;
+    scene.render.frames = {13};
+    scene.camera.fovY = Keyed<double>(0.6 * scene.camera.fovY.at(1)); // to see more of it, and less around it
+    for (Material &material : scene.materials) {
+        material.masking = Masking::Separable;
+        material.multiscatter = Multiscatter::Off;
+    }
+    return scene;
+}
+
 } // namespace
+
+std::vector<BenchScene> characterScenes(const std::string &file) {
+    const std::string name = std::filesystem::path(file).stem().string();
+    return {{name + ", sky", 1, [=] { return under(character(file), constantEnvironment(Vec3(1))); }},
+            {name + ", lamp", 1,
+             [=] {
+                 Scene scene = character(file);
+                 scene.lights = {lampBeside(scene.camera)};
+                 return scene;
+             }},
+            {name + ", HDR", 1, [=] { return under(character(file), studioEnvironment()); }}};
+}
 
 const std::vector<BenchScene> &benchScenes() {
     static const std::vector<BenchScene> scenes{

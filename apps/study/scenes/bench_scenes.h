@@ -1,5 +1,5 @@
 #pragma once
-/// The scenes that the renderer is measured on: brushed tori under the light that peers are measured with.
+/// The scenes that the renderer is measured on: brushed tori under the light that peers are measured with, and characters.
 
 #include "taut/scene/scene.h"
 
@@ -18,5 +18,9 @@ struct BenchScene {
 
 /// Metals of reflectance 1, masking as in Cycles 3.4 (separable), single scattering; 512 x 512 pixels, box filter.
 const std::vector<BenchScene> &benchScenes();
+
+/// A glTF file in the pose of its 13th frame, as its default camera sees it: under a constant sky, a lamp and the studio. Its materials
+/// have separable masking and single scattering, as Cycles shows them.
+std::vector<BenchScene> characterScenes(const std::string &file);
 
 } // namespace taut::chart
