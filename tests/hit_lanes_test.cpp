@@ -5,6 +5,8 @@
 
 #include "taut/render/hit_lanes.h"
 
+#include <tbb/global_control.h>
+
 #include <algorithm>
 
 using namespace taut;
@@ -31,6 +33,28 @@ Scene scene(const Material &material) {
     scene.objects[1].placement.translation = Keyed<DVec3>(DVec3(0, 0, -0.4));
     scene.render.maxEvents = 6;
     return scene;
+}
+
+/// Rows of coloured squares; what a scene's textures are in the tests below.
+Texture chequered(float from, float to) {
+    constexpr int kSize = 8;
+    std::vector<float> texels;
+    for (int i = 0; i < kSize * kSize; ++i) {
+        const float t = static_cast<float>((i * 7 + i / kSize * 3) % 11) / 10;
+        texels.insert(texels.end(), {glm::mix(from, to, t), glm::mix(from, to, 1 - t), glm::mix(from, to, t * t)});
+    }
+    Texture texture;
+    texture.name = "chequered";
+    texture.width = texture.height = kSize;
+    texture.texels = std::move(texels);
+    return texture;
+}
+
+/// The scene with two textures: shares, and turns.
+Scene textured(const Material &material) {
+    Scene s = scene(material);
+    s.textures = {chequered(0.02F, 0.98F), chequered(-2, 2)};
+    return s;
 }
 
 Material plain(BsdfType type, float alphaX, float alphaY, float rotation) {
@@ -72,6 +96,88 @@ TEST_CASE("Shading at once gives the picture of shading one by one", "[render][l
         }
 }
 
+TEST_CASE("Textures, compensation and glTF's material at once give the picture of one by one", "[render][lanes]") {
+    struct Case {
+        std::string name;
+        Scene scene;
+    };
+    std::vector<Case> cases;
+    const auto add = [&](const std::string &name, Material material, const auto &change) {
+        Scene s = textured(material);
+        change(s, s.materials[0]);
+        cases.push_back({name, std::move(s)});
+    };
+    const auto asItIs = [](Scene &, Material &) {};
+    const auto texturedColor = [](Scene &, Material &m) { m.color = {Vec3(1, 0.9F, 0.8F), 0}; };
+    const auto everyTexture = [](Scene &, Material &m) {
+        m.color.texture = m.metallic.texture = m.alphaX.texture = m.alphaY.texture = 0;
+        m.metallic = {1, 0, 2};
+        m.rotation = {1, 1, 0};
+    };
+    Material paint = plain(BsdfType::MetallicRoughness, 0.5F, 0.5F, 0);
+    paint.multiscatter = Multiscatter::Auto;
+    paint.alphaIsRoughness = true;
+    add("diffuse, textured", plain(BsdfType::Diffuse, 1, 1, 0), texturedColor);
+    add("Schlick, textured throughout", plain(BsdfType::Conductor, 0.9F, 0.7F, 0), everyTexture);
+    add("rough glass, textured", plain(BsdfType::Dielectric, 0.4F, 0.4F, 0), everyTexture);
+    add("coated", plain(BsdfType::Coated, 0.1F, 0.3F, 0.2F), asItIs);
+    add("coated, textured", plain(BsdfType::Coated, 0.8F, 0.8F, 0), everyTexture);
+    add("paint", paint, asItIs);
+    add("paint, textured", paint, texturedColor);
+    add("white paint, nearly smooth", paint, [](Scene &, Material &m) {
+        m.color.value = Vec3(1);
+        m.alphaX.value = m.alphaY.value = 0.15F;
+    });
+    add("white paint, very rough and sheared", paint, [](Scene &, Material &m) {
+        m.color.value = Vec3(1);
+        m.alphaX.value = 1;
+        m.alphaY.value = 0.4F;
+    });
+    add("black paint", paint, [](Scene &, Material &m) { m.color.value = Vec3(0); });
+    add("no reflection", paint, [](Scene &, Material &m) { m.specular.value = 0; });
+    add("an index of 0", paint, [](Scene &, Material &m) { m.ior = 0; });
+    add("paint of specular colour", paint, [](Scene &, Material &m) {
+        m.specular.value = 0.7F;
+        m.specularColor.value = Vec3(1, 0.2F, 0.1F);
+        m.ior = 2;
+    });
+    add("metal of glTF, compensated", paint, [](Scene &, Material &m) { m.metallic.value = m.alphaX.value = m.alphaY.value = 1; });
+    add("half a metal, compensated", paint, [](Scene &, Material &m) {
+        m.metallic.value = 0.5F;
+        m.multiscatter = Multiscatter::Compensation;
+    });
+    add("metal here, paint there", paint, everyTexture);
+    add("metal of glTF, brushed", paint, [](Scene &, Material &m) {
+        m.metallic.value = 1;
+        m.anisotropyStrength = 0.8F;
+        m.anisotropyTexture = 0;
+    });
+    add("Schlick, compensated", plain(BsdfType::Conductor, 0.8F, 0.6F, 0.3F), [](Scene &, Material &m) { m.multiscatter = Multiscatter::Auto; });
+    add("metal, compensated where it is rough", plain(BsdfType::Metal, 1.5F, 1.5F, 0), [](Scene &, Material &m) {
+        m.multiscatter = Multiscatter::Auto;
+        m.alphaX.texture = m.alphaY.texture = 0;
+    });
+    add("Poisson's ratio", plain(BsdfType::Conductor, 0.2F, 0.4F, 0.3F), [](Scene &, Material &m) { m.poisson = 0.4F; });
+    add("colours of the mesh", paint, [](Scene &s, Material &m) {
+        m.vertexColors = true;
+        Mesh mesh = *s.objects[0].mesh;
+        mesh.cornerColors = mesh.cornerPositions;
+        for (std::size_t i = 0; i < mesh.positions.size(); ++i) mesh.colors.emplace_back(0.1F * static_cast<float>(i % 10), 0.8F, 0.3F, 1);
+        s.objects[0].mesh = std::make_shared<const Mesh>(std::move(mesh));
+    });
+    add("separable paint", paint, [](Scene &, Material &m) { m.masking = Masking::Separable; });
+    for (const Case &c : cases)
+        for (const bool animated : {false, true}) {
+            INFO(c.name << (animated ? ", animated" : ""));
+            REQUIRE(laneMaterial(prepareMaterials(c.scene, defaultPlan(c.scene))[0]).inLanes);
+            const std::vector<float> atOnce = imageOf(c.scene, false, animated, 8);
+            CHECK(atOnce == imageOf(c.scene, true, animated, 8));
+            CHECK(*std::max_element(atOnce.begin(), atOnce.end()) > 0.2F);
+            const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+            CHECK(atOnce == imageOf(c.scene, false, animated, 8));
+        }
+}
+
 TEST_CASE("Singular values out of range are clamped at once as one by one", "[render][lanes]") {
     // Squeezed to a thousandth of a millionth: the distribution along y is wider than any range.
     Scene s = scene(plain(BsdfType::Conductor, 0.3F, 0.5F, 0.7F));
@@ -83,11 +189,20 @@ TEST_CASE("Singular values out of range are clamped at once as one by one", "[re
 }
 
 TEST_CASE("Every set of instructions gives the same lanes", "[render][lanes][batch]") {
-    const auto type = GENERATE(BsdfType::Metal, BsdfType::Dielectric);
-    const Scene s = scene(plain(type, 0.2F, 0.6F, 0.4F));
+    const auto [type, multiscatter] = GENERATE(table<BsdfType, Multiscatter>({{BsdfType::Metal, Multiscatter::Off},
+                                                                              {BsdfType::Dielectric, Multiscatter::Off},
+                                                                              {BsdfType::Conductor, Multiscatter::Compensation},
+                                                                              {BsdfType::Coated, Multiscatter::Off},
+                                                                              {BsdfType::Diffuse, Multiscatter::Off},
+                                                                              {BsdfType::MetallicRoughness, Multiscatter::Off},
+                                                                              {BsdfType::MetallicRoughness, Multiscatter::Compensation}}));
+    Material rough = plain(type, 0.2F, 0.6F, 0.4F);
+    rough.multiscatter = multiscatter;
+    rough.metallic.value = 0.3F;
+    const Scene s = scene(rough);
     const std::vector<PreparedMaterial> prepared = prepareMaterials(s, defaultPlan(s));
-    const PlainMaterial material = plainMaterial(prepared[0]);
-    REQUIRE(material.isPlain);
+    const LaneMaterial material = laneMaterial(prepared[0]);
+    REQUIRE(material.inLanes);
     const auto filled = [&](Instructions set) {
         auto lanes = std::make_unique<HitLanes>();
         lanes->count = 45;
@@ -115,6 +230,7 @@ TEST_CASE("Every set of instructions gives the same lanes", "[render][lanes][bat
             lanes->lightPdf[i] = 0.7F;
             lanes->lightWeighted[i] = i % 3 == 0 ? 0.0F : 1.0F;
         }
+        lanes::setValues(*lanes, material);
         lanes::view(*lanes, material, {1, 2, 3, 4, 5}, set);
         lanes::connect(*lanes, material, set);
         lanes::scatter(*lanes, material, set);

@@ -27,11 +27,11 @@ class ScatteringPoint {
         const float length = ggx::stretchedLength(bsdf.micro, wo);
         const float area = ggx::visibleArea(bsdf.micro, wo, length);
         if (!info.refracts) view_.reflections.emplace(bsdf.micro, wo, bsdf.bearableWaste);
-        view_.lobe = {length, area, info.refracts ? 0.5F / area : view_.reflections->pdfScale(), bsdf.correlated, bsdf.eta};
+        view_.lobe = {length, area, info.refracts ? 0.5F / area : view_.reflections->pdfScale(), bsdf.correlated, bsdf.eta, {}};
         if (bsdf.multiscatter != Multiscatter::Off) multiple_ = multiple::prepare(bsdf, wo);
         onBsdf(bsdf.type, [&](auto kind) {
             using Class = typename decltype(kind)::Class;
-            if constexpr (requires { Class::split(bsdf, wo); }) view_.split = Class::split(bsdf, wo);
+            if constexpr (requires { Class::split(bsdf, wo); }) view_.lobe.shares.facets = Class::split(bsdf, wo);
             if constexpr (requires { Class::prepare(view_, multiple_); }) Class::prepare(view_, multiple_);
         });
     }
@@ -60,8 +60,8 @@ class ScatteringPoint {
         multiple::WalkEval e = multiple::evaluateWalk(view_.bsdf, multiple_, view_.wo, wi, numbers);
         if (!walksBesideLobes()) return e;
         for (BsdfEval *part : {&e.single, &e.multiple}) {
-            part->fCos *= view_.layers.under;
-            part->pdf *= view_.layers.facets;
+            part->fCos *= view_.lobe.shares.under;
+            part->pdf *= view_.lobe.shares.facets;
         }
         return e;
     }
@@ -93,11 +93,11 @@ class ScatteringPoint {
 
     [[nodiscard]] std::optional<BsdfSample> sampleWalk(const Vec2 &u, float lobe, std::uint32_t seed) const {
         if (!walksBesideLobes()) return multiple::sampleWalk(view_.bsdf, multiple_, view_.wo, u, seed);
-        const float facets = view_.layers.facets;
+        const float facets = view_.lobe.shares.facets;
         if (lobe < facets) {
             std::optional<BsdfSample> s = multiple::sampleWalk(view_.bsdf, multiple_, view_.wo, u, seed);
             if (!s) return s;
-            s->weight *= view_.layers.under / facets;
+            s->weight *= view_.lobe.shares.under / facets;
             s->pdf *= facets;
             return s;
         }

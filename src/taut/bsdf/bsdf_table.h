@@ -10,7 +10,7 @@
 ///     lanes:      BsdfEval above(const Bsdf &, const MicroTransform &, const LobeView &, const Vec3 &wo, const Vec3 &wi)
 ///                 LaneSample sampleLane(const Bsdf &, const MicroTransform &, const LobeView &, float cap, const Vec3 &wo,
 ///                                       const Vec2 &u, float lobe)         the same for wi.z > 0, without branches;
-///                 BsdfEval below(as above)                                 and, of what transmits, for wi.z < 0
+///                 BsdfEval below(as above)                                 and, of what transmits there, for wi.z < 0
 /// In layers `float split(const Bsdf &, const Vec3 &wo)` is the share of samples that the upper one gets. A kind with lobes beside its
 /// facets' that light of several facets can be followed on has
 ///     void prepare(BsdfView &, MultipleScattering &)                       once a hit: LayerView, and what layers above take
@@ -36,8 +36,8 @@ enum BsdfKey : std::uint8_t {
     ROW(Metal,             .name = "conductor", .keys = kF0Key, .manyFacets = true, .lanes = true)                                         \
     ROW(Dielectric,        .name = "dielectric", .keys = kIorKey, .manyFacets = true, .transmits = true, .refracts = true, .lanes = true)  \
     ROW(Diffuse,           .name = "diffuse", .microsurface = false, .lanes = true)                                                        \
-    ROW(Coated,            .name = "coated", .keys = kIorKey)                                                                              \
-    ROW(MetallicRoughness, .name = "metallic_roughness", .keys = kIorKey | kMetallicKey, .manyFacets = true, .transmits = true)                                                   \
+    ROW(Coated,            .name = "coated", .keys = kIorKey, .lanes = true)                                                               \
+    ROW(MetallicRoughness, .name = "metallic_roughness", .keys = kIorKey | kMetallicKey, .manyFacets = true, .transmits = true, .lanes = true) \
     ROW(ThinGlass,         .name = "thin_glass", .keys = kIorKey, .transmits = true)
 // clang-format on
 

@@ -93,6 +93,7 @@ struct MultipleScattering {
 struct LaneSample {
     Vec3 wi;
     float usable;
+    float coin; ///< what is left, in [0, 1), of the number that chose the lobe of reflecting facets; below 0 where it is another
 };
 
 } // namespace taut

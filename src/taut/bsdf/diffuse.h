@@ -21,7 +21,7 @@ struct DiffuseBsdf {
     }
     [[gnu::always_inline]] static LaneSample sampleLane(const Bsdf &, const MicroTransform &, const LobeView &, float, const Vec3 &,
                                                         const Vec2 &u, float) {
-        return {squareToCosineHemisphere(u), 1};
+        return {squareToCosineHemisphere(u), 1, -1};
     }
 };
 

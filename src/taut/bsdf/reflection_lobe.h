@@ -10,6 +10,16 @@
 
 namespace taut {
 
+/// A kind with several lobes, seen from one direction: shares of samples, and of light.
+struct LobeShares {
+    float facets = 1;  ///< of samples: reflection by the facets of the base
+    float diffuse = 0; ///< and those sent to all directions alike
+    float through = 0; ///< and to the other side
+    float coat = 0;    ///< and reflected by a coat
+    float kept = 1;    ///< of the diffuse part, so that no light is made
+    float under = 1;   ///< of light that layers above leave to those below
+};
+
 /// What the lobes of one (M, wo) need beside them.
 struct LobeView {
     float length = 1;   ///< L(wo)
@@ -17,16 +27,11 @@ struct LobeView {
     float pdfScale = 0; ///< density of the sampling of reflections over D
     bool correlated = true;
     float eta = 1.5F; ///< Bsdf
+    LobeShares shares{};
 };
 
-/// A kind with several lobes, seen from one direction (metallic_roughness.h): shares of samples, and of light.
+/// Layers on top, seen from one direction (metallic_roughness.h).
 struct LayerView {
-    float facets = 1;     ///< of samples: reflection by the facets of the base
-    float diffuse = 0;    ///< and those sent to all directions alike
-    float through = 0;    ///< and to the other side
-    float coat = 0;       ///< and reflected by a coat
-    float kept = 1;       ///< of the diffuse part, so that no light is made
-    float under = 1;      ///< of light that layers above leave to those below
     float coatShare = 0;  ///< of light that the coat reflects
     float sheenScale = 1; ///< keeps the fibres' albedo at 1
     LobeView coatLobe;
@@ -39,7 +44,6 @@ struct BsdfView {
     Vec3 wo;
     LobeView lobe;
     std::optional<ReflectionSampler> reflections; ///< of what has a microsurface and does not refract
-    float split = 1;                              ///< layers: of samples, those of the upper one
     LayerView layers{};
 };
 

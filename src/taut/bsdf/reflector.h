@@ -21,9 +21,9 @@ template <class Class> struct Reflector {
     }
     /// By caps; lanes where those waste too much are sampled again by a cone each.
     [[gnu::always_inline]] static LaneSample sampleLane(const Bsdf &, const MicroTransform &m, const LobeView &, float cap, const Vec3 &wo,
-                                                        const Vec2 &u, float /*coin*/) {
+                                                        const Vec2 &u, float coin) {
         const Vec3 wm = ggx::spreadVisibleNormalBranchless(m, wo, u, cap);
-        return {(2 * glm::dot(wo, wm) / glm::dot(wm, wm)) * wm - wo, 1};
+        return {(2 * glm::dot(wo, wm) / glm::dot(wm, wm)) * wm - wo, 1, coin};
     }
 };
 

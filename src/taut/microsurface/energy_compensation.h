@@ -29,14 +29,16 @@ struct Coordinates {
 
 /// alpha / (1 + alpha), scaled so that the fit's range is [0, 1].
 inline float roughnessCoordinate(float alpha) {
-    const float a = std::fmin(alpha, kGreatestAlpha);
+    const float a = alpha < kGreatestAlpha ? alpha : kGreatestAlpha;
     return a / (1 + a) * ((1 + kGreatestAlpha) / kGreatestAlpha);
 }
 
-/// For a direction above the horizon.
-inline Coordinates coordinates(const MicroTransform &m, const Vec3 &w) {
+/// For a direction above the horizon. No branches: loops are vectorised.
+[[gnu::always_inline]] inline Coordinates coordinates(const MicroTransform &m, const Vec3 &w) {
     const float horizontal = std::sqrt(w.x * w.x + w.y * w.y);
-    const Vec2 azimuth = horizontal > 0 ? Vec2(w.x, w.y) / horizontal : Vec2(1, 0);
+    const bool slanted = horizontal > 0;
+    const float divisor = slanted ? horizontal : 1.0F;
+    const Vec2 azimuth(slanted ? w.x / divisor : 1.0F, slanted ? w.y / divisor : 0.0F);
     const auto standard = [&](const Vec2 &v) {
         const float y = v.y * m.inverseD;
         return Vec2((v.x - m.b * y) * m.inverseA, y);
@@ -50,8 +52,9 @@ inline Coordinates coordinates(const MicroTransform &m, const Vec3 &w) {
     const float length = std::sqrt(xy2 + w.z * w.z);
     const float up = std::sqrt(w.z * (length + w.z)); // sqrt(c) : sqrt(1 - c) without cancellation
     const float down = std::sqrt(xy2);
+    const float correlation = covariance * covariance / (varianceAlong * varianceAcross);
     return {up / (up + down), roughnessCoordinate(std::sqrt(varianceAlong)), roughnessCoordinate(std::sqrt(varianceAcross)),
-            std::fmin(covariance * covariance / (varianceAlong * varianceAcross), 1.0F)};
+            correlation < 1 ? correlation : 1.0F};
 }
 
 /// Chebyshev polynomials T_0 .. T_(N-1) of 2 u - 1.
@@ -65,31 +68,65 @@ template <std::size_t N> std::array<float, N> chebyshev(float u) {
 }
 
 /// s -> E.
-inline float albedoFromFit(float s) {
+[[gnu::always_inline]] inline float albedoFromFit(float s) {
     const float limited = glm::clamp(s, 0.0F, 0.999F);
     const float y = limited / (1 - limited);
     return 1 / (1 + y * y);
 }
 
-/// Directional albedo of single scattering, F = 1, for w.z > 0.
-inline float singleScatterAlbedo(const MicroTransform &m, const Vec3 &w, const float *coefficients = table::kAlbedo.data()) {
-    const Coordinates at = coordinates(m, w);
-    const auto elevation = chebyshev<table::kElevation>(at.elevation);
-    const auto along = chebyshev<table::kAlong>(at.along);
-    const auto across = chebyshev<table::kAcross>(at.across);
-    // Innermost over the coefficients that lie side by side, which compilers turn into vector arithmetic.
-    std::array<float, 2 * table::kAcross> inner{};
+/// Coordinates of several directions, an array each.
+template <std::size_t kCount> struct CoordinateLanes {
+    float elevation[kCount], along[kCount], across[kCount], correlation[kCount];
+    [[gnu::always_inline]] void set(std::size_t i, const Coordinates &c) {
+        elevation[i] = c.elevation;
+        along[i] = c.along;
+        across[i] = c.across;
+        correlation[i] = c.correlation;
+    }
+};
+
+/// Directional albedo of single scattering, F = 1, for kCount directions: the same sums for each, in the same order, whatever kCount is.
+template <std::size_t kCount>
+[[gnu::always_inline]] inline void singleScatterAlbedos(const CoordinateLanes<kCount> &at, float *albedo, const float *coefficients) {
+    constexpr std::size_t kInner = 2 * table::kAcross;
+    float elevation[table::kElevation][kCount];
+    float along[table::kAlong][kCount];
+    float across[table::kAcross][kCount];
+    for (std::size_t i = 0; i < kCount; ++i) {
+        const auto e = chebyshev<table::kElevation>(at.elevation[i]);
+        const auto a = chebyshev<table::kAlong>(at.along[i]);
+        const auto b = chebyshev<table::kAcross>(at.across[i]);
+        for (std::size_t k = 0; k < e.size(); ++k) elevation[k][i] = e[k];
+        for (std::size_t k = 0; k < a.size(); ++k) along[k][i] = a[k];
+        for (std::size_t k = 0; k < b.size(); ++k) across[k][i] = b[k];
+    }
+    // Innermost over what lies side by side, coefficients or directions, which compilers turn into vector arithmetic.
+    float inner[kInner][kCount] = {};
     const float *c = coefficients;
-    for (const float e : elevation)
-        for (const float a : along) {
-            const float weight = e * a;
-            for (std::size_t k = 0; k < inner.size(); ++k) inner[k] += weight * c[k];
-            c += inner.size();
+    for (const auto &e : elevation)
+        for (const auto &a : along) {
+            float weight[kCount];
+            for (std::size_t i = 0; i < kCount; ++i) weight[i] = e[i] * a[i];
+            for (std::size_t k = 0; k < kInner; ++k)
+                for (std::size_t i = 0; i < kCount; ++i) inner[k][i] += weight[i] * c[k];
+            c += kInner;
         }
-    const float x = 2 * at.correlation - 1;
-    float sum = 0;
-    for (std::size_t k = 0; k < table::kAcross; ++k) sum += across[k] * (inner[k] + x * inner[table::kAcross + k]);
-    return albedoFromFit(sum);
+    float sum[kCount] = {};
+    for (std::size_t k = 0; k < table::kAcross; ++k)
+        for (std::size_t i = 0; i < kCount; ++i) {
+            const float x = 2 * at.correlation[i] - 1;
+            sum[i] += across[k][i] * (inner[k][i] + x * inner[table::kAcross + k][i]);
+        }
+    for (std::size_t i = 0; i < kCount; ++i) albedo[i] = albedoFromFit(sum[i]);
+}
+
+/// Of one direction, w.z > 0.
+inline float singleScatterAlbedo(const MicroTransform &m, const Vec3 &w, const float *coefficients = table::kAlbedo.data()) {
+    CoordinateLanes<1> at;
+    at.set(0, coordinates(m, w));
+    float albedo = 0;
+    singleScatterAlbedos<1>(at, &albedo, coefficients);
+    return albedo;
 }
 
 /// Cosine-weighted hemispherical mean of the above: the share of diffuse light that leaves after one bounce. Fitted to the mean of
@@ -115,7 +152,7 @@ inline Vec3 multipleColor(const Vec3 &f, float averageAlbedo) {
 }
 
 /// The lobe of two and more bounces at F = 1 from the losses 1 - E of both directions and their mean: f cos.
-inline float multipleLobe(float lossO, float lossI, float lossMean, float wiZ) {
+[[gnu::always_inline]] inline float multipleLobe(float lossO, float lossI, float lossMean, float wiZ) {
     return lossMean > 1e-6F ? lossO * lossI / lossMean * (kInvPi * wiZ) : 0.0F;
 }
 

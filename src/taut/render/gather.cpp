@@ -2,14 +2,14 @@
 
 namespace taut {
 
-/// Puts a hit aside to be shaded with others, where its mesh and material are plain.
+/// Puts a hit aside to be shaded with others, where its mesh and material let it.
 bool PathTracer::State::waits(int event, std::size_t i, int aovChannels) {
     const Hit &hit = hits[i];
     const Index owner = scene.objectOfGeometry(hit.geometry);
     if (plainObjects[owner] == 0 || (event == 0 && aovChannels > 0)) return false;
     const RenderObject &object = scene.objects()[owner];
     const Index material = materialOfTriangle(object, hit.primitive);
-    if (!plainMaterials[material].isPlain) return false;
+    if (!laneMaterials[material].inLanes) return false;
     if (event == 0) paths[active[i]].alpha = 1;
     if (event >= settings.maxEvents) return true;
     waiting[material].push_back(static_cast<Index>(i));
@@ -57,31 +57,52 @@ void PathTracer::State::gather(std::size_t lane, std::size_t i) {
     l.path[lane] = active[i];
 }
 
-void PathTracer::State::shadeAtOnce(int event, const PlainMaterial &material, std::span<const Index> chunk) {
+/// The material's values in lane `lane`, of hit i.
+void PathTracer::State::lookUp(std::size_t lane, std::size_t i, const LaneMaterial &material) {
+    HitLanes &l = *lanes;
+    const Material &m = *material.prepared->material;
+    InterpolatedSurface at;
+    at.e1 = l.e1.at(lane);
+    at.e2 = l.e2.at(lane);
+    const float coneWidth = hasCones && material.prepared->filters ? paths[active[i]].cone.widthAt(hits[i].t) : 0.0F;
+    const MeshValues mesh = meshValuesAt(scene.objects()[scene.objectOfGeometry(hits[i].geometry)], hits[i], at, l.wo.at(lane), coneWidth);
+    const float metallic = m.metallic.texture == kNone ? material.values.metallic : evaluateShare(m.metallic, scene.scene(), mesh.uv);
+    const bool glossy = bsdfInfo(m.type).microsurface;
+    lanes::setValues(l, lane, baseColorAt(m, scene.scene(), mesh), metallic,
+                     glossy ? restRoughness(m, scene.scene(), mesh.uv) : material.rest);
+}
+
+void PathTracer::State::shadeAtOnce(int event, const LaneMaterial &material, std::span<const Index> chunk) {
     HitLanes &l = *lanes;
     l.count = static_cast<int>(chunk.size());
     const auto padded = static_cast<std::size_t>(l.padded());
     for (const Index i : chunk) prefetch(i);
     for (std::size_t k = 0; k < padded; ++k) gather(k, chunk[k < chunk.size() ? k : 0]);
+    if (material.varies)
+        for (std::size_t k = 0; k < padded; ++k) lookUp(k, chunk[k < chunk.size() ? k : 0], material);
+    else
+        lanes::setValues(l, material);
     const EventNumbers numbers{dimensionOf(event, kScatterDirection), dimensionOf(event, kScatterLobe), dimensionOf(event, kLightPoint),
                                dimensionOf(event, kLightChoice), dimensionOf(event, kRoulette)};
     lanes::view(l, material, numbers);
     lanes::aim(l, scene.lights());
     lanes::connect(l, material);
     lanes::scatter(l, material);
-    const float coneAlpha = bsdfInfo(material.bsdf.type).microsurface ? std::sqrt(material.alphaX * material.alphaY) : 1.0F;
+    const bool glossy = bsdfInfo(material.bsdf.type).microsurface;
     for (std::size_t k = 0; k < chunk.size(); ++k) {
         Path &path = paths[l.path[k]];
         if (l.connects[k] > 0) {
             shadowRays.push_back(shadowRay(l.shadowOrigin.at(k), l.position.at(k), l.lightDirection.at(k), l.lightDistance[k], path.time));
-            shadowTests.push_back({l.path[k], l.contribution.at(k)});
+            Vec3 contribution = l.contribution.at(k);
+            if (hasMedia) attenuate(path, glm::dot(l.lightDirection.at(k), l.geometricNormal.at(k)), l.lightDistance[k], contribution);
+            shadowTests.push_back({l.path[k], contribution});
             if (hasGroups()) shadowGroups.push_back(groupOfEntry(l.lightEntry[k]));
         }
         if (!(l.goesOn[k] > 0)) continue;
         path.throughput = l.nextThroughput.at(k);
         path.etaScale = l.nextEtaScale[k];
         path.scatterPdf = l.scatterPdf[k];
-        if (hasCones) path.cone.scatter(hits[chunk[k]].t, coneAlpha);
+        if (hasCones) path.cone.scatter(hits[chunk[k]].t, glossy ? 1 / std::sqrt(l.det[k]) : 1.0F);
         Ray next;
         next.origin = l.nextOrigin.at(k);
         next.direction = l.nextDirection.at(k);

@@ -1,11 +1,10 @@
 #pragma once
-/// Shading of many hits at once, structure of arrays: what hits on one plain material need, in loops that the compiler vectorises
+/// Shading of many hits at once, structure of arrays: what hits on one material need, in loops that the compiler vectorises
 /// (base/instructions.h). The formulas are those of hits one by one, by the same functions, and no compiler may fuse or reorder their
 /// sums (-ffp-contract=off, no fast math): the bits are the same, to which a test holds whole pictures.
 ///
-/// A material is plain where nothing but V and the frame changes from hit to hit: a kind that lanes shade (bsdf_table.h) with single
-/// scattering; no textures, Poisson's ratio 0. A mesh is plain where it does not emit, lean or move while the shutter is open and V is
-/// interpolated as it is. All others go one by one (shading.h).
+/// laneMaterial() says which materials go this way, isPlain() on which meshes: those that do not emit, lean or move while the shutter is
+/// open, with V interpolated as it is. All others go one by one (shading.h).
 ///
 /// The order of a batch: gather (gather.cpp), view(), aim(), connect(), scatter().
 
@@ -33,6 +32,9 @@ struct alignas(64) HitLanes {
     Vectors diagonal, offDiagonal; ///< V as SymmetricTensor
     int deforms[kSize];            ///< 0: V is the identity, whatever those hold
     Vectors wo;                    ///< render space
+    Vectors color; ///< the material's values there, textures looked up
+    float metallic[kSize], alphaX[kSize], alphaY[kSize];
+    float cosine[kSize], sine[kSize]; ///< of the rest rotation
     Vectors throughput;
     float etaScale[kSize], time[kSize];
     std::uint32_t sample[kSize], seed[kSize];
@@ -43,10 +45,20 @@ struct alignas(64) HitLanes {
     float clearance[kSize];
     float facing[kSize], sense[kSize];
     Vectors stretch; ///< in the frame: ss, st, tt
+    double inverseLambda[kSize];
     float tangentX[kSize], tangentY[kSize];
     float a[kSize], b[kSize], d[kSize], inverseA[kSize], inverseD[kSize], det[kSize];
     int inRange[kSize]; ///< whether a, b, d are M's; else singular values are to be clamped
     float length[kSize], area[kSize], capBound[kSize], pdfScale[kSize];
+    Vectors reflected; ///< of kinds with several lobes: by the facets, on average; and what they cover
+    float cover[kSize];
+    float facets[kSize], diffuse[kSize], kept[kSize]; ///< LobeShares
+    int dark[kSize], suffices[kSize];
+    bool compensates = false; ///< light of several facets is given back in one of the lanes: MultipleScattering, 0 in the others
+    int several[kSize]; ///< whether, in that lane
+    float loss[kSize], lossMean[kSize], chance[kSize];
+    Vectors severalColor;
+    float compensation[kSize]; ///< multiple::compensation of a direction
     int cone[kSize]; ///< where caps would waste too much: 1 + the lane's entry in `cones`; else 0
     std::vector<ReflectionSampler> cones;
     float lightChoice[kSize], lightU[kSize], lightV[kSize], scatterU[kSize], scatterV[kSize], coin[kSize], roulette[kSize];
@@ -62,6 +74,7 @@ struct alignas(64) HitLanes {
     float connects[kSize];
 
     // scatter(): the next ray; the path ends but where `goesOn` > 0.
+    float facetCoin[kSize]; ///< LaneSample
     Vectors scatterLocal, nextOrigin, nextDirection, nextThroughput;
     float scatterPdf[kSize], nextEtaScale[kSize];
     float usable[kSize]; ///< of what transmits: LaneSample
@@ -72,14 +85,16 @@ struct alignas(64) HitLanes {
     [[nodiscard]] MicroTransform micro(std::size_t i) const { return {a[i], b[i], d[i], 0, 0, inverseA[i], inverseD[i], det[i]}; }
 };
 
-/// A plain material as loops take it.
-struct PlainMaterial {
-    bool isPlain = false;
-    Bsdf bsdf; ///< seen from the outside; without an M
-    float alphaX = 1, alphaY = 1;
-    float cosine = 1, sine = 0; ///< of the rest rotation
+/// A material as loops take it.
+struct LaneMaterial {
+    bool inLanes = false;
+    bool varies = false; ///< from hit to hit: by textures or colours of the mesh
+    const PreparedMaterial *prepared = nullptr;
+    Bsdf bsdf;             ///< its kind, seen from the outside; without an M
+    MaterialValues values; ///< where it does not vary
+    RestRoughness rest{1, 1, 0};
 };
-PlainMaterial plainMaterial(const PreparedMaterial &prepared);
+LaneMaterial laneMaterial(const PreparedMaterial &prepared);
 /// Whether hits on a mesh may be shaded at once.
 bool isPlain(const RenderObject &object);
 
@@ -90,11 +105,15 @@ struct EventNumbers {
 
 namespace lanes {
 
+/// Fills the values of a lane, and of all lanes for a material that does not vary.
+void setValues(HitLanes &lanes, std::size_t lane, const Vec3 &color, float metallic, const RestRoughness &rest);
+void setValues(HitLanes &lanes, const LaneMaterial &material);
+
 /// Fills what follows the gathered part, for event number `numbers`.
-void view(HitLanes &lanes, const PlainMaterial &material, const EventNumbers &numbers, Instructions instructions = widest());
+void view(HitLanes &lanes, const LaneMaterial &material, const EventNumbers &numbers, Instructions instructions = widest());
 void aim(HitLanes &lanes, const LightTable &lights);
-void connect(HitLanes &lanes, const PlainMaterial &material, Instructions instructions = widest());
-void scatter(HitLanes &lanes, const PlainMaterial &material, Instructions instructions = widest());
+void connect(HitLanes &lanes, const LaneMaterial &material, Instructions instructions = widest());
+void scatter(HitLanes &lanes, const LaneMaterial &material, Instructions instructions = widest());
 
 } // namespace lanes
 } // namespace taut

@@ -34,7 +34,7 @@ RayCounts &RayCounts::operator+=(const RayCounts &other) {
 PathTracer::PathTracer(const RenderScene &scene, const std::vector<PreparedMaterial> &materials, const TraceSettings &settings)
     : state_(std::make_unique<State>(scene, materials, settings)) {
     State &s = *state_;
-    for (const PreparedMaterial &material : materials) s.plainMaterials.push_back(plainMaterial(material));
+    for (const PreparedMaterial &material : materials) s.laneMaterials.push_back(laneMaterial(material));
     for (const RenderObject &object : scene.objects()) s.plainObjects.push_back(!settings.oneByOne && isPlain(object) ? 1 : 0);
     s.waiting.resize(materials.size());
     for (const PreparedMaterial &material : materials) s.hasMedia |= material.extinction != Vec3(0);
@@ -63,7 +63,7 @@ void PathTracer::State::shadeAll(int event, const std::vector<Aov> &wanted, int 
     for (std::size_t m = 0; m < waiting.size(); ++m) {
         const std::span<const Index> all = waiting[m];
         for (std::size_t begin = 0; begin < all.size(); begin += HitLanes::kSize)
-            shadeAtOnce(event, plainMaterials[m], all.subspan(begin, std::min<std::size_t>(HitLanes::kSize, all.size() - begin)));
+            shadeAtOnce(event, laneMaterials[m], all.subspan(begin, std::min<std::size_t>(HitLanes::kSize, all.size() - begin)));
         waiting[m].clear();
     }
     active.swap(stillActive);

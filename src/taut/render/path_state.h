@@ -72,9 +72,9 @@ struct PathTracer::State {
     std::vector<LayerSample> firstHits; ///< [paths] ids alone
 
     // Hits that are shaded at once.
-    std::vector<PlainMaterial> plainMaterials; ///< [materials]
-    std::vector<unsigned char> plainObjects;   ///< [objects]
-    std::vector<std::vector<Index>> waiting;   ///< [materials] hits of this event
+    std::vector<LaneMaterial> laneMaterials; ///< [materials]
+    std::vector<unsigned char> plainObjects; ///< [objects]
+    std::vector<std::vector<Index>> waiting; ///< [materials] hits of this event
     std::unique_ptr<HitLanes> lanes = std::make_unique<HitLanes>();
 
     bool hasMedia = false; ///< a material attenuates light inside
@@ -133,7 +133,12 @@ struct PathTracer::State {
     [[nodiscard]] bool waits(int event, std::size_t i, int aovChannels);
     void prefetch(std::size_t i) const;
     void gather(std::size_t lane, std::size_t i);
-    void shadeAtOnce(int event, const PlainMaterial &material, std::span<const Index> chunk);
+    void lookUp(std::size_t lane, std::size_t i, const LaneMaterial &material);
+    void shadeAtOnce(int event, const LaneMaterial &material, std::span<const Index> chunk);
+    /// What a light's contribution keeps on its way through the medium that the path is in, to a surface's `side` of the viewer (above 0).
+    static void attenuate(const Path &path, float side, float distance, Vec3 &contribution) {
+        if (path.extinction != Vec3(0) && side > 0 && distance < kInfinity) contribution *= glm::exp(-path.extinction * distance);
+    }
     void connectLight(int event, Index index, const SurfacePoint &point, const FacetScattering &scattering);
     void testShadows(int event);
 };

@@ -18,7 +18,7 @@ void PathTracer::State::connectLight(int event, Index index, const SurfacePoint 
         const float weight = light.delta ? 1.0F : powerHeuristic(light.pdf, part.pdf);
         contribution += path.throughput * part.fCos * light.radiance * (weight / light.pdf);
     });
-    if (path.extinction != Vec3(0) && side > 0 && light.distance < kInfinity) contribution *= glm::exp(-path.extinction * light.distance);
+    attenuate(path, side, light.distance, contribution);
     if (!(maxComponent(contribution) > 0)) return;
     shadowRays.push_back(shadowRay(offsetOrigin(point, side > 0), point.position, light.direction, light.distance, path.time));
     shadowTests.push_back({index, contribution});

@@ -12,41 +12,6 @@ namespace {
 /// A facet of a map is seen at any angle: a grazing one loses this many times the average over views that its choice is made by.
 constexpr float kTiltedLoss = 5;
 
-Multiscatter multiscatterAt(const PreparedMaterial &prepared, const MicroTransform &m, bool tilted) {
-    const Multiscatter model = multiscatterOf(*prepared.material, prepared.multiscatter.model);
-    if (model != Multiscatter::Auto) return model;
-    const bool transmits = !bsdfInfo(prepared.material->type).compensates();
-    const float negligible = prepared.multiscatter.negligibleLoss;
-    if (!tilted) return chooseMultiscatter(m, transmits, negligible);
-    // A lean is no more than that much roughness: |M^-1 w| <= (1 + |lean|) / sigma.
-    const float lean = 1 + std::sqrt(m.p * m.p + m.q * m.q);
-    const MicroTransform bound = m.upright() ? m : canonicalTransform(m.a / lean, m.b / lean, m.d / lean);
-    const Multiscatter upright = chooseMultiscatter(bound, transmits, negligible / kTiltedLoss);
-    return upright == Multiscatter::Off || m.upright() ? upright : Multiscatter::Walk;
-}
-
-/// A material's values at a point.
-MaterialValues valuesAt(const PreparedMaterial &prepared, const Scene &scene, const SurfacePoint &point) {
-    MaterialValues values = valuesOf(prepared, point.baseColor);
-    const Material &m = *prepared.material;
-    if (!bsdfInfo(m.type).reads(kMetallicKey)) return values;
-    const auto share = [&](const auto &param) { return evaluateShare(param, scene, point.uv); };
-    values.metallic = share(m.metallic);
-    values.specular = share(m.specular);
-    values.specularColor = evaluate(m.specularColor, scene, point.uv);
-    values.transmission = share(m.transmission);
-    values.thinWalled = m.thinWalled;
-    values.clearcoat = share(m.clearcoat);
-    values.sheenColor = share(m.sheenColor);
-    if (values.sheenColor != Vec3(0)) values.sheenAlpha = sheen::alphaOf(share(m.sheenRoughness));
-    values.film.share = share(m.iridescence);
-    if (values.film.share > 0) {
-        values.film.ior = m.iridescenceIor;
-        values.film.thickness = glm::mix(m.iridescenceMin, m.iridescenceMax, share(m.thickness));
-    }
-    return values;
-}
-
 /// M where the material has this roughness at rest.
 MicroTransform microAt(const Material &material, const RestRoughness &rest, const SurfacePoint &point, float sense) {
     // Stored gloss comes as sqrt(M M^T) in the place of V.
@@ -80,7 +45,7 @@ void setCoat(const Material &material, const SlopePlace &place, const HitFacet &
 void setBsdf(const PreparedMaterial &prepared, const SlopePlace &place, SurfacePoint &point) {
     const Scene &scene = place.scene;
     const Material &material = *prepared.material;
-    Bsdf &bsdf = point.bsdf = bsdfOf(prepared, valuesAt(prepared, scene, point), point.facing);
+    Bsdf &bsdf = point.bsdf = bsdfOf(prepared, valuesAt(prepared, scene, point.baseColor, point.uv), point.facing);
     const bool glossy = bsdfInfo(material.type).microsurface;
     if (!glossy && !material.slopes.isGiven()) return;
     const RestRoughness rest = glossy ? restRoughness(material, scene, point.uv) : RestRoughness{1, 1, 0};
@@ -90,9 +55,7 @@ void setBsdf(const PreparedMaterial &prepared, const SlopePlace &place, SurfaceP
     if (!glossy) return;
     bsdf.micro = facet.micro;
     if (bsdf.coat > 0) setCoat(material, place, facet, bsdf);
-    // As multiscatterOf() has it for a whole material, where a texture says so.
-    const bool isPaint = bsdfInfo(material.type).reads(kMetallicKey) && bsdf.metallic == 0 && material.multiscatter == Multiscatter::Auto;
-    bsdf.multiscatter = isPaint ? Multiscatter::Off : multiscatterAt(prepared, bsdf.micro, facet.tilted);
+    bsdf.multiscatter = treatmentAt(prepared, bsdf.metallic, bsdf.micro, facet.tilted);
 }
 
 /// KHR_materials_volume: of white light the attenuation colour is left after the attenuation distance (Beer's law).
@@ -153,6 +116,27 @@ MaterialValues valuesOf(const PreparedMaterial &prepared, const Vec3 &color) {
     return values;
 }
 
+MaterialValues valuesAt(const PreparedMaterial &prepared, const Scene &scene, const Vec3 &color, const UvPoint &uv) {
+    MaterialValues values = valuesOf(prepared, color);
+    const Material &m = *prepared.material;
+    if (!bsdfInfo(m.type).reads(kMetallicKey)) return values;
+    const auto share = [&](const auto &param) { return evaluateShare(param, scene, uv); };
+    values.metallic = share(m.metallic);
+    values.specular = share(m.specular);
+    values.specularColor = evaluate(m.specularColor, scene, uv);
+    values.transmission = share(m.transmission);
+    values.thinWalled = m.thinWalled;
+    values.clearcoat = share(m.clearcoat);
+    values.sheenColor = share(m.sheenColor);
+    if (values.sheenColor != Vec3(0)) values.sheenAlpha = sheen::alphaOf(share(m.sheenRoughness));
+    values.film.share = share(m.iridescence);
+    if (values.film.share > 0) {
+        values.film.ior = m.iridescenceIor;
+        values.film.thickness = glm::mix(m.iridescenceMin, m.iridescenceMax, share(m.thickness));
+    }
+    return values;
+}
+
 Bsdf bsdfOf(const PreparedMaterial &prepared, const MaterialValues &values, float facing) {
     const Material &material = *prepared.material;
     Bsdf bsdf;
@@ -168,17 +152,50 @@ Bsdf bsdfOf(const PreparedMaterial &prepared, const MaterialValues &values, floa
     return bsdf;
 }
 
+MeshValues meshValuesAt(const RenderObject &object, const Hit &hit, const InterpolatedSurface &at, const Vec3 &wo, float coneWidth) {
+    MeshValues mesh;
+    const Surface &surface = object.surface;
+    const Index3 t = surface.triangles[hit.primitive];
+    const Vec3 b(1 - hit.u - hit.v, hit.u, hit.v);
+    const auto interpolated = [&](const auto &values) { return values[t.x] * b.x + values[t.y] * b.y + values[t.z] * b.z; };
+    if (!surface.uvs.empty()) mesh.uv = interpolated(surface.uvs);
+    if (!surface.uvs1.empty()) mesh.uv.second = interpolated(surface.uvs1);
+    if (!surface.colors.empty()) mesh.color = interpolated(surface.colors);
+    if (!(coneWidth > 0)) return mesh;
+    const bool mirrored = object.isMirrored(hit.primitive);
+    const auto footprint = [&](const std::vector<Vec2> &uvs) {
+        if (uvs.empty()) return UvFootprint{};
+        return footprintOf(at, wo, coneWidth, {uvs[t.x], uvs[mirrored ? t.z : t.y], uvs[mirrored ? t.y : t.z]});
+    };
+    mesh.uv.footprint = footprint(surface.uvs);
+    mesh.uv.secondFootprint = footprint(surface.uvs1);
+    return mesh;
+}
+
+Multiscatter treatmentAt(const PreparedMaterial &prepared, float metallic, const MicroTransform &m, bool tilted) {
+    // As multiscatterOf() has it for a whole material, where a texture says so.
+    const bool isPaint = bsdfInfo(prepared.material->type).reads(kMetallicKey) && metallic == 0;
+    if (isPaint && prepared.material->multiscatter == Multiscatter::Auto) return Multiscatter::Off;
+    const Multiscatter model = multiscatterOf(*prepared.material, prepared.multiscatter.model);
+    if (model != Multiscatter::Auto) return model;
+    const bool transmits = !bsdfInfo(prepared.material->type).compensates();
+    const float negligible = prepared.multiscatter.negligibleLoss;
+    if (!tilted) return chooseMultiscatter(m, transmits, negligible);
+    // A lean is no more than that much roughness: |M^-1 w| <= (1 + |lean|) / sigma.
+    const float lean = 1 + std::sqrt(m.p * m.p + m.q * m.q);
+    const MicroTransform bound = m.upright() ? m : canonicalTransform(m.a / lean, m.b / lean, m.d / lean);
+    const Multiscatter upright = chooseMultiscatter(bound, transmits, negligible / kTiltedLoss);
+    return upright == Multiscatter::Off || m.upright() ? upright : Multiscatter::Walk;
+}
+
 SurfacePoint surfacePointAt(const RenderScene &scene, const std::vector<PreparedMaterial> &materials, const Hit &hit, const Vec3 &wo,
                             float time, float coneWidth) {
     SurfacePoint point;
     const RenderObject &object = scene.objects()[scene.objectOfGeometry(hit.geometry)];
-    const Surface &surface = object.surface;
     const HitCorners<false> corners(object, hit, time);
-    const Index3 t = corners.corners();
-    const Vec3 b = corners.barycentrics();
     point.object = &object;
-    point.corners = t;
-    point.barycentrics = b;
+    point.corners = corners.corners();
+    point.barycentrics = corners.barycentrics();
     const InterpolatedSurface at = corners.surface();
     const SurfaceGeometry geometry = surfaceGeometry(at, wo);
     point.position = at.position;
@@ -188,23 +205,12 @@ SurfacePoint surfacePointAt(const RenderScene &scene, const std::vector<Prepared
     point.frame = Frame(geometry.s, geometry.t, geometry.n);
     point.tangent = geometry.tangent;
     deformationAt(object, corners, point);
-    const auto interpolated = [&](const auto &values) { return values[t.x] * b.x + values[t.y] * b.y + values[t.z] * b.z; };
-    if (!surface.uvs.empty()) point.uv = interpolated(surface.uvs);
-    if (!surface.uvs1.empty()) point.uv.second = interpolated(surface.uvs1);
-    if (!surface.colors.empty()) point.color = interpolated(surface.colors);
 
     const PreparedMaterial &material = materials[materialOfTriangle(object, hit.primitive)];
-    if (material.filters && coneWidth > 0) {
-        const bool mirrored = object.isMirrored(hit.primitive);
-        const auto footprint = [&](const std::vector<Vec2> &uvs) {
-            if (uvs.empty()) return UvFootprint{};
-            return footprintOf(at, wo, coneWidth, {uvs[t.x], uvs[mirrored ? t.z : t.y], uvs[mirrored ? t.y : t.z]});
-        };
-        point.uv.footprint = footprint(surface.uvs);
-        point.uv.secondFootprint = footprint(surface.uvs1);
-    }
-    point.baseColor = evaluateShare(material.material->color, scene.scene(), point.uv);
-    if (material.material->vertexColors) point.baseColor *= Vec3(point.color);
+    const MeshValues mesh = meshValuesAt(object, hit, at, wo, material.filters ? coneWidth : 0.0F);
+    point.uv = mesh.uv;
+    point.color = mesh.color;
+    point.baseColor = baseColorAt(*material.material, scene.scene(), mesh);
     setBsdf(material, {scene.scene(), point, at, geometry.sense}, point);
     if (point.bsdf.refracts && point.facing > 0) point.extinction = material.extinction;
     const Object &source = *object.object;

@@ -5,6 +5,7 @@
 #include "taut/bsdf/tilted_facet.h"
 #include "taut/render/interpolation.h"
 #include "taut/render/render_scene.h"
+#include "taut/scene/material_gloss.h"
 
 namespace taut {
 
@@ -49,10 +50,29 @@ std::vector<PreparedMaterial> prepareMaterials(const Scene &scene, const ScenePl
 
 /// The values of a material that looks the same everywhere, but for its colour.
 MaterialValues valuesOf(const PreparedMaterial &prepared, const Vec3 &color);
+/// A material's values where its colour and texture coordinates are these.
+MaterialValues valuesAt(const PreparedMaterial &prepared, const Scene &scene, const Vec3 &color, const UvPoint &uv);
+
+/// What a mesh says at a hit of how its material looks.
+struct MeshValues {
+    UvPoint uv;
+    Vec4 color{1}; ///< of the mesh itself, linear RGBA
+};
+/// `at`: the point there; `wo`: unit, back along the ray; `coneWidth`: what a pixel sees, across the ray; 0: a point.
+MeshValues meshValuesAt(const RenderObject &object, const Hit &hit, const InterpolatedSurface &at, const Vec3 &wo, float coneWidth);
+/// A material's colour there.
+inline Vec3 baseColorAt(const Material &material, const Scene &scene, const MeshValues &mesh) {
+    Vec3 color = evaluateShare(material.color, scene, mesh.uv);
+    if (material.vertexColors) color *= Vec3(mesh.color);
+    return color;
+}
 
 /// What a material scatters by where it has these values, seen from that side; microsurfaces and the treatment of light of several
 /// facets are the caller's.
 Bsdf bsdfOf(const PreparedMaterial &prepared, const MaterialValues &values, float facing);
+
+/// What is done about light of several facets where M is this; `metallic`: of kinds that read it.
+Multiscatter treatmentAt(const PreparedMaterial &prepared, float metallic, const MicroTransform &m, bool tilted);
 
 /// Fills the point for a hit at a time in the shutter. `wo` is the unit direction back along the ray, `coneWidth` what a pixel sees there
 /// (ray_cone.h), in units of length across the ray; 0: a point.

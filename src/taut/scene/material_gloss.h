@@ -59,6 +59,12 @@ inline Vec2 restAxis(const Vec2 &tangent, float cosine, float sine, float sense)
     return {tangent.x * cosine - tangent.y * s, tangent.x * s + tangent.y * cosine};
 }
 
+/// Stretch along the normal by Poisson's ratio, from V.
+inline float lambdaOf(const Vec3 &stretch, float poisson) {
+    const float area = std::fabs(stretch.x * stretch.z - stretch.y * stretch.y);
+    return normalStretch(std::fmax(area, 1e-12F), poisson);
+}
+
 /// M = A M0 / lambda in an orthonormal frame (s, t, n). `stretch` is V there (ss, st, tt), `tangent` the rotated rest tangent R t0
 /// there (unit), `sense` +1 where the rest frame's b0 lies at cross(n, t0), -1 where the UV map is mirrored. With A = V R, R taking t0 to
 /// `tangent` and b0 to its `sense` side, and because a mirror image of the standard microsurface is itself, M = V Rotation(tangent)
@@ -66,8 +72,7 @@ inline Vec2 restAxis(const Vec2 &tangent, float cosine, float sine, float sense)
 /// along, already in `stretch` and `lean`; Poisson's ratio then has no say.
 inline MicroTransform transformAt(const Material &material, const RestRoughness &rest, const Vec3 &stretch, const Vec2 &tangent,
                                   float sense, const Vec2 *lean = nullptr) {
-    const float area = std::fabs(stretch.x * stretch.z - stretch.y * stretch.y);
-    const float lambda = material.poisson == 0 || lean != nullptr ? 1.0F : normalStretch(std::fmax(area, 1e-12F), material.poisson);
+    const float lambda = material.poisson == 0 || lean != nullptr ? 1.0F : lambdaOf(stretch, material.poisson);
     Vec2 axis = tangent;
     if (rest.alphaX == rest.alphaY) {
         axis = {1, 0}; // any will do; this one leaves the bits alone

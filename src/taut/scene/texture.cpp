@@ -10,6 +10,7 @@ namespace {
 
 /// Index of the texel at or below a continuous coordinate, wrapped or clamped.
 int resolve(int index, int count, TextureWrap wrap) {
+    if (index >= 0 && index < count) return index;
     if (wrap == TextureWrap::Clamp) return std::clamp(index, 0, count - 1);
     const int period = wrap == TextureWrap::Mirror ? 2 * count : count;
     int wrapped = index % period;
@@ -17,10 +18,17 @@ int resolve(int index, int count, TextureWrap wrap) {
     return wrapped < count ? wrapped : period - 1 - wrapped;
 }
 
+/// The whole number at or below x, which an int holds: std::floor is a call where the baseline's instructions have none.
+int floorOf(float x) {
+    const int towardsZero = static_cast<int>(x);
+    return towardsZero - (static_cast<float>(towardsZero) > x ? 1 : 0);
+}
+
 /// A texture coordinate brought to where floats are fine; far outside [0, 1] a clamped one stays outside.
 float reduce(float x, TextureWrap wrap) {
     if (!std::isfinite(x)) return 0;
     if (wrap == TextureWrap::Clamp) return std::clamp(x, -1.0F, 2.0F);
+    if (wrap == TextureWrap::Repeat && std::fabs(x) < 1e6F) return x - static_cast<float>(floorOf(x));
     return wrap == TextureWrap::Repeat ? x - std::floor(x) : x - 2 * std::floor(0.5F * x);
 }
 
@@ -31,10 +39,10 @@ Vec2 placeOf(const TextureSampler &sampler, const Vec2 &uv, int width, int heigh
     return {reduce(at.x, sampler.wrapU) * static_cast<float>(width), reduce(at.y, sampler.wrapV) * static_cast<float>(height)};
 }
 
-Vec4 texelAt(const Texture &texture, int x, int y) {
-    const std::size_t column = static_cast<std::size_t>(resolve(x, texture.width, texture.sampler.wrapU));
-    const std::size_t row = static_cast<std::size_t>(resolve(y, texture.height, texture.sampler.wrapV));
-    const float *t = &texture.texels[(row * static_cast<std::size_t>(texture.width) + column) * static_cast<std::size_t>(texture.channels)];
+/// Of a column and a row that there are.
+Vec4 texelAt(const Texture &texture, int column, int row) {
+    const auto at = static_cast<std::size_t>(row) * static_cast<std::size_t>(texture.width) + static_cast<std::size_t>(column);
+    const float *t = &texture.texels[at * static_cast<std::size_t>(texture.channels)];
     if (texture.channels == 1) return {t[0], t[0], t[0], 1};
     return {t[0], t[1], t[2], texture.channels == 4 ? t[3] : 1.0F};
 }
@@ -43,17 +51,14 @@ Vec4 texelAt(const Texture &texture, int x, int y) {
 
 Vec4 lookup(const Texture &texture, const Vec2 &uv) {
     const TextureSampler &sampler = texture.sampler;
-    const Vec2 place = placeOf(sampler, uv, texture.width, texture.height);
-    if (sampler.nearest) return texelAt(texture, static_cast<int>(std::floor(place.x)), static_cast<int>(std::floor(place.y)));
-    const float x = place.x - 0.5F;
-    const float y = place.y - 0.5F;
-    const float x0 = std::floor(x);
-    const float y0 = std::floor(y);
-    const int column = static_cast<int>(x0);
-    const int row = static_cast<int>(y0);
-    const Vec4 upper = glm::mix(texelAt(texture, column, row), texelAt(texture, column + 1, row), x - x0);
-    const Vec4 lower = glm::mix(texelAt(texture, column, row + 1), texelAt(texture, column + 1, row + 1), x - x0);
-    return glm::mix(upper, lower, y - y0);
+    if (sampler.nearest) {
+        const Vec2 place = placeOf(sampler, uv, texture.width, texture.height);
+        return texelAt(texture, resolve(floorOf(place.x), texture.width, sampler.wrapU), resolve(floorOf(place.y), texture.height, sampler.wrapV));
+    }
+    const BilinearPlace at = bilinearPlace(sampler, uv, texture.width, texture.height);
+    const Vec4 upper = glm::mix(texelAt(texture, at.column[0], at.row[0]), texelAt(texture, at.column[1], at.row[0]), at.u);
+    const Vec4 lower = glm::mix(texelAt(texture, at.column[0], at.row[1]), texelAt(texture, at.column[1], at.row[1]), at.u);
+    return glm::mix(upper, lower, at.v);
 }
 
 Vec4 lookup(const Texture &texture, const Vec2 &uv, const UvFootprint &footprint) {
@@ -65,13 +70,12 @@ Vec4 lookup(const Texture &texture, const Vec2 &uv, const UvFootprint &footprint
 
 BilinearPlace bilinearPlace(const TextureSampler &sampler, const Vec2 &uv, int width, int height) {
     const Vec2 place = placeOf(sampler, uv, width, height) - Vec2(0.5F);
-    const Vec2 first = glm::floor(place);
-    const int column = static_cast<int>(first.x);
-    const int row = static_cast<int>(first.y);
+    const int column = floorOf(place.x);
+    const int row = floorOf(place.y);
     return {{resolve(column, width, sampler.wrapU), resolve(column + 1, width, sampler.wrapU)},
             {resolve(row, height, sampler.wrapV), resolve(row + 1, height, sampler.wrapV)},
-            place.x - first.x,
-            place.y - first.y};
+            place.x - static_cast<float>(column),
+            place.y - static_cast<float>(row)};
 }
 
 } // namespace taut
