@@ -18,11 +18,14 @@ struct PixelGrid {
 [[gnu::always_inline]] inline void numbersLoop(const PixelGrid &grid, CameraLanes &l) {
     const int count = l.count;
     const std::uint32_t seed = grid.seed;
-    const bool independent = grid.independent;
+#pragma GCC ivdep
+    for (int i = 0; i < count; ++i)
+        l.seed[i] = hash(static_cast<std::uint32_t>(l.x[i]) + 0x10000U * static_cast<std::uint32_t>(l.y[i]), seed);
+    if (grid.independent)
+#pragma GCC ivdep
+        for (int i = 0; i < count; ++i) l.seed[i] = hash(l.seed[i], l.sample[i]);
 #pragma GCC ivdep
     for (int i = 0; i < count; ++i) {
-        l.seed[i] = hash(static_cast<std::uint32_t>(l.x[i]) + 0x10000U * static_cast<std::uint32_t>(l.y[i]), seed);
-        if (independent) l.seed[i] = hash(l.seed[i], l.sample[i]);
         const Vec2 u = sobol2(l.sample[i], hash(l.seed[i], kFilterDimension));
         l.u[i] = u.x;
         l.v[i] = u.y;

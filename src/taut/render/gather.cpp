@@ -2,6 +2,19 @@
 
 namespace taut {
 
+namespace {
+
+/// Asks memory for the texels of a lookup to come: a texture is larger than the caches.
+void prefetchTexels(const Texture &texture, const UvPoint &point) {
+    const BilinearPlace at = bilinearPlace(texture.sampler, point.set(texture.sampler.uvSet), texture.width, texture.height);
+    for (const int row : at.row) {
+        const auto texel = static_cast<std::size_t>(row) * static_cast<std::size_t>(texture.width) + static_cast<std::size_t>(at.column[0]);
+        __builtin_prefetch(&texture.texels[texel * static_cast<std::size_t>(texture.channels)]);
+    }
+}
+
+} // namespace
+
 /// Puts a hit aside to be shaded with others, where its mesh and material let it.
 bool PathTracer::State::waits(int event, std::size_t i, int aovChannels) {
     const Hit &hit = hits[i];
@@ -57,19 +70,28 @@ void PathTracer::State::gather(std::size_t lane, std::size_t i) {
     l.path[lane] = active[i];
 }
 
-/// The material's values in lane `lane`, of hit i.
-void PathTracer::State::lookUp(std::size_t lane, std::size_t i, const LaneMaterial &material) {
+/// The material's values in all lanes, textures looked up; memory is asked for their texels before the first is read.
+void PathTracer::State::lookUp(const LaneMaterial &material, std::span<const Index> chunk) {
     HitLanes &l = *lanes;
-    const Material &m = *material.prepared->material;
-    InterpolatedSurface at;
-    at.e1 = l.e1.at(lane);
-    at.e2 = l.e2.at(lane);
-    const float coneWidth = hasCones && material.prepared->filters ? paths[active[i]].cone.widthAt(hits[i].t) : 0.0F;
-    const MeshValues mesh = meshValuesAt(scene.objects()[scene.objectOfGeometry(hits[i].geometry)], hits[i], at, l.wo.at(lane), coneWidth);
-    const float metallic = m.metallic.texture == kNone ? material.values.metallic : evaluateShare(m.metallic, scene.scene(), mesh.uv);
+    const PreparedMaterial &prepared = *material.prepared;
+    const Material &m = *prepared.material;
+    const Scene &from = scene.scene();
     const bool glossy = bsdfInfo(m.type).microsurface;
-    lanes::setValues(l, lane, baseColorAt(m, scene.scene(), mesh), metallic,
-                     glossy ? restRoughness(m, scene.scene(), mesh.uv) : material.rest);
+    const auto padded = static_cast<std::size_t>(l.padded());
+    MeshValues mesh[HitLanes::kSize];
+    for (std::size_t k = 0; k < padded; ++k) {
+        const Index i = chunk[k < chunk.size() ? k : 0];
+        InterpolatedSurface at;
+        at.e1 = l.e1.at(k);
+        at.e2 = l.e2.at(k);
+        const float coneWidth = hasCones && prepared.filters ? paths[active[i]].cone.widthAt(hits[i].t) : 0.0F;
+        mesh[k] = meshValuesAt(scene.objects()[scene.objectOfGeometry(hits[i].geometry)], hits[i], at, l.wo.at(k), coneWidth);
+        if (m.color.texture != kNone) prefetchTexels(from.textures[m.color.texture], mesh[k].uv);
+    }
+    for (std::size_t k = 0; k < padded; ++k) {
+        const float metallic = m.metallic.texture == kNone ? material.values.metallic : evaluateShare(m.metallic, from, mesh[k].uv);
+        lanes::setValues(l, k, baseColorAt(m, from, mesh[k]), metallic, glossy ? restRoughness(m, from, mesh[k].uv) : material.rest);
+    }
 }
 
 void PathTracer::State::shadeAtOnce(int event, const LaneMaterial &material, std::span<const Index> chunk) {
@@ -79,19 +101,20 @@ void PathTracer::State::shadeAtOnce(int event, const LaneMaterial &material, std
     for (const Index i : chunk) prefetch(i);
     for (std::size_t k = 0; k < padded; ++k) gather(k, chunk[k < chunk.size() ? k : 0]);
     if (material.varies)
-        for (std::size_t k = 0; k < padded; ++k) lookUp(k, chunk[k < chunk.size() ? k : 0], material);
+        lookUp(material, chunk);
     else
         lanes::setValues(l, material);
     const EventNumbers numbers{dimensionOf(event, kScatterDirection), dimensionOf(event, kScatterLobe), dimensionOf(event, kLightPoint),
-                               dimensionOf(event, kLightChoice), dimensionOf(event, kRoulette)};
+                               dimensionOf(event, kLightChoice), dimensionOf(event, kRoulette), scene.lights().choices};
+    const bool lit = numbers.lights > 0;
     lanes::view(l, material, numbers);
-    lanes::aim(l, scene.lights());
-    lanes::connect(l, material);
+    if (lit) lanes::aim(l, scene.lights());
+    if (lit) lanes::connect(l, material);
     lanes::scatter(l, material);
     const bool glossy = bsdfInfo(material.bsdf.type).microsurface;
     for (std::size_t k = 0; k < chunk.size(); ++k) {
         Path &path = paths[l.path[k]];
-        if (l.connects[k] > 0) {
+        if (lit && l.connects[k] > 0) {
             shadowRays.push_back(shadowRay(l.shadowOrigin.at(k), l.position.at(k), l.lightDirection.at(k), l.lightDistance[k], path.time));
             Vec3 contribution = l.contribution.at(k);
             if (hasMedia) attenuate(path, glm::dot(l.lightDirection.at(k), l.geometricNormal.at(k)), l.lightDistance[k], contribution);

@@ -89,15 +89,22 @@ TAUT_INLINE void viewLoop(HitLanes &l, float bearableWaste, bool refracts) {
     }
 }
 
-TAUT_INLINE void numbersLoop(HitLanes &l, const EventNumbers &numbers) {
+TAUT_INLINE void lightNumbersLoop(HitLanes &l, const EventNumbers &numbers) {
     const int count = l.padded();
 #pragma GCC ivdep
     for (int i = 0; i < count; ++i) {
         const Vec2 light = sobol2(l.sample[i], hash(l.seed[i], numbers.lightPoint));
         l.lightU[i] = light.x;
         l.lightV[i] = light.y;
-        l.lightChoice[i] = sobol1(l.sample[i], hash(l.seed[i], numbers.lightChoice));
     }
+}
+TAUT_INLINE void choiceNumbersLoop(HitLanes &l, const EventNumbers &numbers) {
+    const int count = l.padded();
+#pragma GCC ivdep
+    for (int i = 0; i < count; ++i) l.lightChoice[i] = sobol1(l.sample[i], hash(l.seed[i], numbers.lightChoice));
+}
+TAUT_INLINE void numbersLoop(HitLanes &l, const EventNumbers &numbers) {
+    const int count = l.padded();
 #pragma GCC ivdep
     for (int i = 0; i < count; ++i) {
         const Vec2 scattered = sobol2(l.sample[i], hash(l.seed[i], numbers.scatterDirection));
@@ -115,6 +122,8 @@ TAUT_INLINE void numbersLoop(HitLanes &l, const EventNumbers &numbers) {
         [[gnu::flatten __VA_ARGS__]] static void micro(HitLanes &l) { microLoop(l); }                                                     \
         [[gnu::flatten __VA_ARGS__]] static void view(HitLanes &l, float waste, bool r) { viewLoop(l, waste, r); }                         \
         [[gnu::flatten __VA_ARGS__]] static void numbers(HitLanes &l, const EventNumbers &e) { numbersLoop(l, e); }                        \
+        [[gnu::flatten __VA_ARGS__]] static void lightNumbers(HitLanes &l, const EventNumbers &e) { lightNumbersLoop(l, e); }              \
+        [[gnu::flatten __VA_ARGS__]] static void choiceNumbers(HitLanes &l, const EventNumbers &e) { choiceNumbersLoop(l, e); }            \
     };
 TAUT_FOR_INSTRUCTION_SETS(TAUT_LOOPS)
 
@@ -203,6 +212,8 @@ void view(HitLanes &lanes, const LaneMaterial &material, const EventNumbers &num
         lanes.compensates = false;
         Loops::geometry(lanes);
         Loops::numbers(lanes, numbers);
+        if (numbers.lights > 0) Loops::lightNumbers(lanes, numbers);
+        if (numbers.lights > 1) Loops::choiceNumbers(lanes, numbers);
         const BsdfInfo &info = bsdfInfo(material.bsdf.type);
         if (!info.microsurface) return;
         setLambda(lanes, material.prepared->material->poisson);
@@ -229,7 +240,7 @@ void aim(HitLanes &l, const LightTable &lights) {
     std::size_t lanesOfSky[HitLanes::kSize];
     std::size_t count = 0;
     for (std::size_t i = 0; i < static_cast<std::size_t>(l.padded()); ++i) {
-        const LightChoice choice = chooseLight(lights, l.position.at(i), l.lightChoice[i]);
+        const LightChoice choice = chooseLight(lights, l.position.at(i), lights.choices > 1 ? l.lightChoice[i] : 0.0F);
         l.lightEntry[i] = choice.entry;
         if (choice.entry != kNone && choice.entry == lights.environmentEntry) {
             l.sky.u[count] = l.lightU[i];

@@ -101,6 +101,7 @@ bool isPlain(const RenderObject &object);
 /// Numbers of the sample sequence that an event draws, by dimension.
 struct EventNumbers {
     std::uint32_t scatterDirection, scatterLobe, lightPoint, lightChoice, roulette;
+    std::size_t lights = 2; ///< to choose from: numbers that one or none has no use for are left out
 };
 
 namespace lanes {
@@ -111,6 +112,7 @@ void setValues(HitLanes &lanes, const LaneMaterial &material);
 
 /// Fills what follows the gathered part, for event number `numbers`.
 void view(HitLanes &lanes, const LaneMaterial &material, const EventNumbers &numbers, Instructions instructions = widest());
+/// These where there is a light.
 void aim(HitLanes &lanes, const LightTable &lights);
 void connect(HitLanes &lanes, const LaneMaterial &material, Instructions instructions = widest());
 void scatter(HitLanes &lanes, const LaneMaterial &material, Instructions instructions = widest());

@@ -133,7 +133,7 @@ struct PathTracer::State {
     [[nodiscard]] bool waits(int event, std::size_t i, int aovChannels);
     void prefetch(std::size_t i) const;
     void gather(std::size_t lane, std::size_t i);
-    void lookUp(std::size_t lane, std::size_t i, const LaneMaterial &material);
+    void lookUp(const LaneMaterial &material, std::span<const Index> chunk);
     void shadeAtOnce(int event, const LaneMaterial &material, std::span<const Index> chunk);
     /// What a light's contribution keeps on its way through the medium that the path is in, to a surface's `side` of the viewer (above 0).
     static void attenuate(const Path &path, float side, float distance, Vec3 &contribution) {
