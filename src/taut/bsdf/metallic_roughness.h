@@ -217,18 +217,26 @@ struct MetallicRoughnessBsdf {
     /// cosine, within 8e-5 of quadrature).
     static float keptDiffuse(const Bsdf &bsdf, const MicroTransform &m, const Vec3 &wo, const MultipleScattering &multiple,
                              const Reflected &reflected) {
-        Room room = roomFor(bsdf, wo, reflected);
+        const Room room = roomFor(bsdf, wo, reflected);
         if (room.suffices()) return 1;
-        if (m.upright() && wo.z > 0) {
-            const float loss = multiple.treatment == Multiscatter::Compensation ? multiple.loss : 1 - energy::singleScatterAlbedo(m, wo);
-            room.beside *= 1 - loss;
-            if (multiple.treatment == Multiscatter::Compensation) room.beside += loss * multiple.color;
-            if (multiple.treatment == Multiscatter::Walk) room.beside += loss * severalFacets(bsdf, energy::averageAlbedo(m));
-        }
-        float kept = 1;
-        for (int i = 0; i < 3; ++i)
-            if (room.diffuse[i] > 0) kept = std::fmin(kept, (1 - room.margin - room.beside[i]) / room.diffuse[i]);
-        return std::fmax(kept, 0.0F);
+        if (!(m.upright() && wo.z > 0)) return keptIn(room, 0, Vec3(0));
+        const float loss = multiple.treatment == Multiscatter::Compensation ? multiple.loss : 1 - energy::singleScatterAlbedo(m, wo);
+        if (multiple.treatment == Multiscatter::Walk) return keptIn(room, loss, severalFacets(bsdf, energy::averageAlbedo(m)));
+        return keptIn(room, loss, multiple.treatment == Multiscatter::Compensation ? multiple.color : Vec3(0));
+    }
+    /// Where there is not room for all of it: the facets lose that much of what they reflect, of which the share `several` is given back.
+    [[gnu::always_inline]] static float keptIn(const Room &room, float loss, const Vec3 &several) {
+        const auto in = [&](float diffuse, float beside, float back) __attribute__((always_inline)) {
+            const float all = beside * (1 - loss) + loss * back;
+            const float share = (1 - room.margin - all) / (diffuse > 0 ? diffuse : 1.0F);
+            return (diffuse > 0) & (share < 1) ? share : 1.0F;
+        };
+        const float x = in(room.diffuse.x, room.beside.x, several.x);
+        const float y = in(room.diffuse.y, room.beside.y, several.y);
+        const float z = in(room.diffuse.z, room.beside.z, several.z);
+        const float xy = y < x ? y : x;
+        const float least = z < xy ? z : xy;
+        return least > 0 ? least : 0.0F;
     }
 
     /// Samples by what each lobe brings, none starved: facets that lean from the normal may let pass what the mean does not. `sheen` and

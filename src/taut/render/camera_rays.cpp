@@ -32,6 +32,16 @@ struct PixelGrid {
     }
 }
 
+/// sampleFilter() of the box.
+[[gnu::always_inline]] inline void boxLoop(CameraLanes &l) {
+    const int count = l.count;
+#pragma GCC ivdep
+    for (int i = 0; i < count; ++i) {
+        l.u[i] -= 0.5F;
+        l.v[i] -= 0.5F;
+    }
+}
+
 /// From the offset within the pixel to the plane.
 [[gnu::always_inline]] inline void placeLoop(const PixelGrid &grid, CameraLanes &l) {
     const int count = l.count;
@@ -72,6 +82,7 @@ struct PixelGrid {
 #define TAUT_LOOPS(NAME, ...)                                                                                                              \
     struct NAME {                                                                                                                          \
         [[gnu::flatten __VA_ARGS__]] static void numbers(const PixelGrid &g, CameraLanes &l) { numbersLoop(g, l); }                        \
+        [[gnu::flatten __VA_ARGS__]] static void box(CameraLanes &l) { boxLoop(l); }                                                       \
         [[gnu::flatten __VA_ARGS__]] static void place(const PixelGrid &g, CameraLanes &l) { placeLoop(g, l); }                            \
         [[gnu::flatten __VA_ARGS__]] static void pinhole(CameraLanes &l) { pinholeLoop(l); }                                               \
         [[gnu::flatten __VA_ARGS__]] static void parallel(CameraLanes &l) { parallelLoop(l); }                                             \
@@ -124,10 +135,14 @@ void cameraRays(const RenderScene &scene, const TraceSettings &settings, CameraL
     onInstructions(instructions, [&](auto loops) {
         using Loops = decltype(loops);
         Loops::numbers(grid, l);
-        for (std::size_t i = 0; i < static_cast<std::size_t>(l.count); ++i) {
-            const Vec2 offset = l.centred ? Vec2(0) : sampleFilter(settings.boxFilter, {l.u[i], l.v[i]});
-            l.u[i] = offset.x;
-            l.v[i] = offset.y;
+        if (settings.boxFilter && !l.centred) {
+            Loops::box(l);
+        } else {
+            for (std::size_t i = 0; i < static_cast<std::size_t>(l.count); ++i) {
+                const Vec2 offset = l.centred ? Vec2(0) : sampleFilter(settings.boxFilter, {l.u[i], l.v[i]});
+                l.u[i] = offset.x;
+                l.v[i] = offset.y;
+            }
         }
         Loops::place(grid, l);
         if (still) return orthographic ? Loops::parallel(l) : Loops::pinhole(l);

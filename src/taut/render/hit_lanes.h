@@ -59,6 +59,7 @@ struct alignas(64) HitLanes {
     float loss[kSize], lossMean[kSize], chance[kSize];
     Vectors severalColor;
     float compensation[kSize]; ///< multiple::compensation of a direction
+    float viewLoss[kSize];     ///< 1 - E of the view, where the diffuse part has to know
     int cone[kSize]; ///< where caps would waste too much: 1 + the lane's entry in `cones`; else 0
     std::vector<ReflectionSampler> cones;
     float lightChoice[kSize], lightU[kSize], lightV[kSize], scatterU[kSize], scatterV[kSize], coin[kSize], roulette[kSize];

@@ -46,6 +46,16 @@ template <class Kind> TAUT_INLINE void roomLoop(HitLanes &l, const LaneMaterial 
         l.suffices[i] = (l.dark[i] != 0) | room.suffices() ? 1 : 0;
     }
 }
+template <class Kind> TAUT_INLINE void keptLoop(HitLanes &l, const LaneMaterial &material) {
+    const MaterialValues alike = material.values;
+    const int count = l.padded();
+#pragma GCC ivdep
+    for (int i = 0; i < count; ++i) {
+        const auto room = Kind::Class::roomFor(bsdfAt<Kind>(l, i, alike), l.woLocal.at(i), {l.reflected.at(i), l.cover[i]});
+        const float kept = Kind::Class::keptIn(room, l.viewLoss[i], l.severalColor.at(i));
+        l.kept[i] = l.suffices[i] != 0 ? 1.0F : kept;
+    }
+}
 template <class Kind> TAUT_INLINE void shareLoop(HitLanes &l, const LaneMaterial &material) {
     const MaterialValues alike = material.values;
     const int count = l.padded();
@@ -70,6 +80,8 @@ template <class Kind> TAUT_INLINE void shareLoop(HitLanes &l, const LaneMaterial
     }
 }
 
+using Views = energy::CoordinateLanes<HitLanes::kStep>;
+
 #define TAUT_LOOPS(NAME, ...)                                                                                                              \
     struct NAME {                                                                                                                          \
         template <class Kind>[[gnu::flatten __VA_ARGS__]] static void normal(HitLanes &l, const LaneMaterial &m) {                         \
@@ -79,6 +91,10 @@ template <class Kind> TAUT_INLINE void shareLoop(HitLanes &l, const LaneMaterial
             visibleLoop<Kind>(l, m, node);                                                                                                 \
         }                                                                                                                                  \
         template <class Kind>[[gnu::flatten __VA_ARGS__]] static void room(HitLanes &l, const LaneMaterial &m) { roomLoop<Kind>(l, m); }   \
+        [[gnu::flatten __VA_ARGS__]] static void albedos(const Views &at, float *albedo) {                                                 \
+            energy::singleScatterAlbedos<HitLanes::kStep>(at, albedo, energy::table::kAlbedo.data());                                     \
+        }                                                                                                                                 \
+        template <class Kind>[[gnu::flatten __VA_ARGS__]] static void kept(HitLanes &l, const LaneMaterial &m) { keptLoop<Kind>(l, m); }  \
         template <class Kind>[[gnu::flatten __VA_ARGS__]] static void share(HitLanes &l, const LaneMaterial &m) {                          \
             shareLoop<Kind>(l, m);                                                                                                         \
         }                                                                                                                                  \
@@ -109,6 +125,26 @@ template <class Loops, class Kind> void setSeveral(HitLanes &l, const LaneMateri
     }
 }
 
+/// Of the lanes whose diffuse part has to know, as few as they are, side by side.
+template <class Loops> void setViewLoss(HitLanes &l) {
+    std::size_t asking[HitLanes::kSize];
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(l.padded()); ++i) {
+        l.viewLoss[i] = 0;
+        if (l.suffices[i] == 0 && l.woLocal.z[i] > 0) asking[count++] = i;
+    }
+    for (std::size_t first = 0; first < count; first += HitLanes::kStep) {
+        Views at;
+        float albedo[HitLanes::kStep];
+        for (std::size_t k = 0; k < HitLanes::kStep; ++k) {
+            const std::size_t i = asking[std::min(first + k, count - 1)];
+            at.set(k, energy::coordinates(l.micro(i), l.woLocal.at(i)));
+        }
+        Loops::albedos(at, albedo);
+        for (std::size_t k = 0; first + k < std::min(count, first + HitLanes::kStep); ++k) l.viewLoss[asking[first + k]] = 1 - albedo[k];
+    }
+}
+
 /// Shares of the lobes, where there are several.
 template <class Loops, class Kind> void setLobes(HitLanes &l, const LaneMaterial &material) {
     if constexpr (Kind::kInfo.reads(kMetallicKey)) {
@@ -118,15 +154,9 @@ template <class Loops, class Kind> void setLobes(HitLanes &l, const LaneMaterial
             for (std::size_t node = 0; node < Kind::Class::kMeanNodes; ++node) Loops::template visible<Kind>(l, material, node);
             Loops::template room<Kind>(l, material);
         }
-        for (int i = 0; i < l.count; ++i) {
-            if (l.suffices[i] != 0) continue;
-            const auto at = static_cast<std::size_t>(i);
-            MultipleScattering several;
-            if (l.several[i] != 0) several.treatment = Multiscatter::Compensation;
-            several.loss = l.loss[i];
-            several.color = l.severalColor.at(at);
-            l.kept[i] = Kind::Class::keptDiffuse(bsdfAt<Kind>(l, at, material.values), l.micro(at), l.woLocal.at(at), several,
-                                                 {l.reflected.at(at), l.cover[i]});
+        if (!all(l.suffices)) {
+            setViewLoss<Loops>(l);
+            Loops::template kept<Kind>(l, material);
         }
     }
     Loops::template share<Kind>(l, material);
