@@ -152,7 +152,8 @@ TEST_CASE("Textures, compensation and glTF's material at once give the picture o
         m.anisotropyStrength = 0.8F;
         m.anisotropyTexture = 0;
     });
-    add("Schlick, compensated", plain(BsdfType::Conductor, 0.8F, 0.6F, 0.3F), [](Scene &, Material &m) { m.multiscatter = Multiscatter::Auto; });
+    add("Schlick, compensated", plain(BsdfType::Conductor, 0.8F, 0.6F, 0.3F),
+        [](Scene &, Material &m) { m.multiscatter = Multiscatter::Auto; });
     add("metal, compensated where it is rough", plain(BsdfType::Metal, 1.5F, 1.5F, 0), [](Scene &, Material &m) {
         m.multiscatter = Multiscatter::Auto;
         m.alphaX.texture = m.alphaY.texture = 0;

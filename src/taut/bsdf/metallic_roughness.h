@@ -72,7 +72,7 @@ struct MetallicRoughnessInterface {
 };
 
 struct MetallicRoughnessBsdf {
-    [[gnu::always_inline]] static MetallicRoughnessInterface interface(const Bsdf &bsdf) { return {bsdf, MetallicRoughnessInterface::Part::Both}; }
+    [[gnu::always_inline]] static MetallicRoughnessInterface interface(const Bsdf &bsdf) { return MetallicRoughnessInterface{bsdf}; }
 
     static void make(const MaterialValues &material, Bsdf &bsdf) {
         const float m = material.metallic;
@@ -183,8 +183,8 @@ struct MetallicRoughnessBsdf {
         const float around = at * 0.375F + 0.0625F;
         const Vec2 u(around - static_cast<float>(static_cast<int>(around)), (at + 0.5F) / kMeanNodes);
         const float cosine = glm::dot(wo, ggx::sampleVisibleNormal(m, wo, u));
-        const Vec3 all = facets.reflectance(cosine);
-        mean.all = {mean.all.x + all.x * (1.0F / kMeanNodes), mean.all.y + all.y * (1.0F / kMeanNodes), mean.all.z + all.z * (1.0F / kMeanNodes)};
+        const Vec3 all = facets.reflectance(cosine) * (1.0F / kMeanNodes);
+        mean.all = {mean.all.x + all.x, mean.all.y + all.y, mean.all.z + all.z};
         mean.cover += facets.cover(cosine) * (1.0F / kMeanNodes);
     }
 
@@ -280,8 +280,8 @@ struct MetallicRoughnessBsdf {
     }
 
   private:
-    static constexpr float kCoatF0 = 0.04F;      ///< of index 1.5
-    static constexpr float kLeastLight = 0.02F;  ///< of a lobe that is there, for the choice of samples
+    static constexpr float kCoatF0 = 0.04F;     ///< of index 1.5
+    static constexpr float kLeastLight = 0.02F; ///< of a lobe that is there, for the choice of samples
     /// How far the reflected light may be above E times that mean, at grazing, by the lattice and the table of E: found by quadrature for
     /// alpha 0.02 to 2.
     static constexpr float kEstimateError = 0.025F;

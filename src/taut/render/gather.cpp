@@ -105,7 +105,7 @@ void PathTracer::State::shadeAtOnce(int event, const LaneMaterial &material, std
     else
         lanes::setValues(l, material);
     const EventNumbers numbers{dimensionOf(event, kScatterDirection), dimensionOf(event, kScatterLobe), dimensionOf(event, kLightPoint),
-                               dimensionOf(event, kLightChoice), dimensionOf(event, kRoulette), scene.lights().choices};
+                               dimensionOf(event, kLightChoice),      dimensionOf(event, kRoulette),    scene.lights().choices};
     const bool lit = numbers.lights > 0;
     lanes::view(l, material, numbers);
     if (lit) lanes::aim(l, scene.lights());

@@ -119,7 +119,7 @@ TAUT_INLINE void numbersLoop(HitLanes &l, const EventNumbers &numbers) {
 #define TAUT_LOOPS(NAME, ...)                                                                                                              \
     struct NAME {                                                                                                                          \
         [[gnu::flatten __VA_ARGS__]] static void geometry(HitLanes &l) { geometryLoop(l); }                                                \
-        [[gnu::flatten __VA_ARGS__]] static void micro(HitLanes &l) { microLoop(l); }                                                     \
+        [[gnu::flatten __VA_ARGS__]] static void micro(HitLanes &l) { microLoop(l); }                                                      \
         [[gnu::flatten __VA_ARGS__]] static void view(HitLanes &l, float waste, bool r) { viewLoop(l, waste, r); }                         \
         [[gnu::flatten __VA_ARGS__]] static void numbers(HitLanes &l, const EventNumbers &e) { numbersLoop(l, e); }                        \
         [[gnu::flatten __VA_ARGS__]] static void lightNumbers(HitLanes &l, const EventNumbers &e) { lightNumbersLoop(l, e); }              \

@@ -32,7 +32,7 @@ struct alignas(64) HitLanes {
     Vectors diagonal, offDiagonal; ///< V as SymmetricTensor
     int deforms[kSize];            ///< 0: V is the identity, whatever those hold
     Vectors wo;                    ///< render space
-    Vectors color; ///< the material's values there, textures looked up
+    Vectors color;                 ///< the material's values there, textures looked up
     float metallic[kSize], alphaX[kSize], alphaY[kSize];
     float cosine[kSize], sine[kSize]; ///< of the rest rotation
     Vectors throughput;
@@ -55,12 +55,12 @@ struct alignas(64) HitLanes {
     float facets[kSize], diffuse[kSize], kept[kSize]; ///< LobeShares
     int dark[kSize], suffices[kSize];
     bool compensates = false; ///< light of several facets is given back in one of the lanes: MultipleScattering, 0 in the others
-    int several[kSize]; ///< whether, in that lane
+    int several[kSize];       ///< whether, in that lane
     float loss[kSize], lossMean[kSize], chance[kSize];
     Vectors severalColor;
     float compensation[kSize]; ///< multiple::compensation of a direction
     float viewLoss[kSize];     ///< 1 - E of the view, where the diffuse part has to know
-    int cone[kSize]; ///< where caps would waste too much: 1 + the lane's entry in `cones`; else 0
+    int cone[kSize];           ///< where caps would waste too much: 1 + the lane's entry in `cones`; else 0
     std::vector<ReflectionSampler> cones;
     float lightChoice[kSize], lightU[kSize], lightV[kSize], scatterU[kSize], scatterV[kSize], coin[kSize], roulette[kSize];
 

@@ -9,9 +9,14 @@ namespace taut {
 #define TAUT_INLINE [[gnu::always_inline]] inline
 
 /// Whether lanes of a kind send light to the other side.
-template <class Kind> constexpr bool kPasses = requires { &Kind::Class::below; };
+template <class Kind> constexpr bool kPasses = requires {
+    &Kind::Class::below;
+};
 /// And whether what it reflects lies beside other lobes.
-template <class Kind> constexpr bool kHasShares = requires(const Bsdf &bsdf, const Vec3 &wo) { Kind::Class::split(bsdf, wo); } || Kind::kInfo.reads(kMetallicKey);
+template <class Kind> constexpr bool kHasShares = requires(const Bsdf &bsdf, const Vec3 &wo) {
+    Kind::Class::split(bsdf, wo);
+}
+|| Kind::kInfo.reads(kMetallicKey);
 
 /// A copy of the whole would keep it in memory, and the loop scalar.
 TAUT_INLINE Vec3 byComponents(const Vec3 &v) {

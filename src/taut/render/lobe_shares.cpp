@@ -92,12 +92,10 @@ using Views = energy::CoordinateLanes<HitLanes::kStep>;
         }                                                                                                                                  \
         template <class Kind>[[gnu::flatten __VA_ARGS__]] static void room(HitLanes &l, const LaneMaterial &m) { roomLoop<Kind>(l, m); }   \
         [[gnu::flatten __VA_ARGS__]] static void albedos(const Views &at, float *albedo) {                                                 \
-            energy::singleScatterAlbedos<HitLanes::kStep>(at, albedo, energy::table::kAlbedo.data());                                     \
-        }                                                                                                                                 \
-        template <class Kind>[[gnu::flatten __VA_ARGS__]] static void kept(HitLanes &l, const LaneMaterial &m) { keptLoop<Kind>(l, m); }  \
-        template <class Kind>[[gnu::flatten __VA_ARGS__]] static void share(HitLanes &l, const LaneMaterial &m) {                          \
-            shareLoop<Kind>(l, m);                                                                                                         \
+            energy::singleScatterAlbedos<HitLanes::kStep>(at, albedo, energy::table::kAlbedo.data());                                      \
         }                                                                                                                                  \
+        template <class Kind>[[gnu::flatten __VA_ARGS__]] static void kept(HitLanes &l, const LaneMaterial &m) { keptLoop<Kind>(l, m); }   \
+        template <class Kind>[[gnu::flatten __VA_ARGS__]] static void share(HitLanes &l, const LaneMaterial &m) { shareLoop<Kind>(l, m); } \
     };
 TAUT_FOR_INSTRUCTION_SETS(TAUT_LOOPS)
 

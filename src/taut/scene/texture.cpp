@@ -53,7 +53,8 @@ Vec4 lookup(const Texture &texture, const Vec2 &uv) {
     const TextureSampler &sampler = texture.sampler;
     if (sampler.nearest) {
         const Vec2 place = placeOf(sampler, uv, texture.width, texture.height);
-        return texelAt(texture, resolve(floorOf(place.x), texture.width, sampler.wrapU), resolve(floorOf(place.y), texture.height, sampler.wrapV));
+        return texelAt(texture, resolve(floorOf(place.x), texture.width, sampler.wrapU),
+                       resolve(floorOf(place.y), texture.height, sampler.wrapV));
     }
     const BilinearPlace at = bilinearPlace(sampler, uv, texture.width, texture.height);
     const Vec4 upper = glm::mix(texelAt(texture, at.column[0], at.row[0]), texelAt(texture, at.column[1], at.row[0]), at.u);
