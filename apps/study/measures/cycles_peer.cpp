@@ -85,7 +85,7 @@ json meshJson(const RenderScene &ready, std::size_t index, const fs::path &folde
         writeArray(folder / (name + ".slots"), surface.triangleSlots);
         out["slots"] = name + ".slots";
     }
-    if (object.mesh().normals.empty() && object.object->smooth) return out;
+    if (!object.object->rig) return out; // shapes of our own are smooth, and Blender finds their normals as they move
     if (ready.scene().render.frames.size() > 1) throw RunError("can't give moving normals of corners to Cycles");
     writeArray(folder / (name + ".normals"), cornerNormals(ready, object));
     out["corner_normals"] = name + ".normals";
