@@ -67,33 +67,32 @@ std::size_t AdaptivePasses::piecesATask() const {
 }
 
 void AdaptivePasses::make(const PassPiece &piece, const Film &film, PassScratch &scratch,
-                          const std::function<std::uint64_t(const Window &, int, int)> &trace) {
+                          const std::function<double(const Window &, int, int)> &trace) {
     if (auto *blocks = std::get_if<AdaptiveBlocks>(&goal_))
         samplePass(*blocks, piece.blocks.front(), film, scratch.luminances, trace);
     else
         samplePass(std::get<PictureNoise>(goal_), piece.blocks, piece.window, film, scratch.colours, trace);
 }
 
-std::vector<PassPiece> AdaptivePasses::controls() const {
+std::vector<PassPiece> AdaptivePasses::drawControls() {
     std::vector<PassPiece> pieces;
-    if (const auto *picture = std::get_if<PictureNoise>(&goal_))
-        for (const Index block : picture->controls()) pieces.push_back({picture->windowOf(block), {block}, picture->errorOf(block).samples});
+    if (auto *picture = std::get_if<PictureNoise>(&goal_))
+        for (const Control &control : picture->drawControls())
+            pieces.push_back({control.window, {control.block}, picture->errorOf(control.block).samples});
     return pieces;
 }
 
 void AdaptivePasses::decide(const Film &film, const std::vector<PassPiece> &controls, const std::vector<std::vector<double>> &again) {
     if (auto *picture = std::get_if<PictureNoise>(&goal_)) {
-        std::vector<Index> blocks;
         std::vector<double> variances;
         std::vector<double> sums;
         for (std::size_t k = 0; k < controls.size(); ++k) {
             ColourSums::fill(film, controls[k].window, sums);
             double squares = 0;
             for (std::size_t i = 0; i < sums.size(); ++i) squares += sqr(sums[i] / controls[k].last - again[k][i]);
-            blocks.push_back(controls[k].blocks.front());
             variances.push_back(0.5 * squares / static_cast<double>(sums.size()));
         }
-        picture->decide(blocks, variances);
+        picture->decide(variances);
     } else {
         std::get<AdaptiveBlocks>(goal_).decide();
     }

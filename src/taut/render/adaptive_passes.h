@@ -32,7 +32,7 @@ struct PassScratch {
 
 class AdaptivePasses {
   public:
-    /// Side of the tiles in pixels, a multiple of BlockGrid::kSide.
+    /// Side of the tiles in pixels, a multiple of that of any block.
     static constexpr int kTile = 16;
 
     /// To a noise level of every pixel.
@@ -44,12 +44,13 @@ class AdaptivePasses {
     [[nodiscard]] const std::vector<PassPiece> &pieces() const { return pieces_; }
     /// Pieces that one task does well to take.
     [[nodiscard]] std::size_t piecesATask() const;
-    /// Makes a piece. trace(window, first, last) adds samples [first, last) of its pixels to the film and returns the number of rays.
+    /// Makes a piece. trace(window, first, last) adds samples [first, last) of its pixels to the film and returns what they cost.
     /// From any thread, once for each piece.
     void make(const PassPiece &piece, const Film &film, PassScratch &scratch,
-              const std::function<std::uint64_t(const Window &, int, int)> &trace);
-    /// When all pieces are made: windows to be rendered again with other random numbers, and as many samples.
-    [[nodiscard]] std::vector<PassPiece> controls() const;
+              const std::function<double(const Window &, int, int)> &trace);
+    /// When all pieces are made: windows to be rendered again with other random numbers, and as many samples. Once there are some, they are
+    /// the same ones after every pass.
+    std::vector<PassPiece> drawControls();
     /// Then what is next. `again`: means of R, G, B of each of those windows, row by row.
     void decide(const Film &film, const std::vector<PassPiece> &controls, const std::vector<std::vector<double>> &again);
 

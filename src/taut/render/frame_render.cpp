@@ -67,6 +67,7 @@ struct FrameRender::State {
     std::vector<Window> tiles;
     mutable std::vector<std::mutex> tileLocks; ///< [tiles], of the film's pixels; a block of adaptive sampling lies in one tile
     std::optional<AdaptivePasses> passes;
+    std::vector<Film> again; ///< [controls] with other random numbers, as far as rendered
 
     mutable std::mutex running; ///< held by advance(), and by what must not go on beside it
     std::atomic<bool> stopAsked{false};
@@ -155,14 +156,18 @@ void FrameRender::State::advanceEvenly(const FrameBudget &budget) {
 
 /// Means of R, G, B of pieces of the frame with other random numbers than the film's. None where it was stopped.
 std::vector<std::vector<double>> FrameRender::State::renderAgain(const std::vector<PassPiece> &pieces) {
+    if (again.size() != pieces.size()) {
+        again.clear();
+        for (const PassPiece &piece : pieces) again.emplace_back(piece.window, std::vector<Aov>{});
+    }
     std::vector<std::vector<double>> means(pieces.size());
     parallelFor(pieces.size(), 1, [&](std::size_t i) {
         const Window &window = pieces[i].window;
-        Film other(window, {});
+        const auto first = static_cast<int>(again[i].samplesAt(window.x0, window.y0));
         std::mutex lock;
         Worker &worker = otherWorkers.local();
-        if (isOver() || !worker.tracer.traceTile(window, 0, pieces[i].last, {other, lock, stopAsked}, worker.times, worker.counts)) return;
-        ColourSums::fill(other, window, means[i]);
+        if (isOver() || !worker.tracer.traceTile(window, first, pieces[i].last, {again[i], lock, stopAsked}, worker.times, worker.counts)) return;
+        ColourSums::fill(again[i], window, means[i]);
         for (double &value : means[i]) value /= pieces[i].last;
     });
     const bool whole = std::none_of(means.begin(), means.end(), [](const auto &m) { return m.empty(); });
@@ -181,17 +186,18 @@ void FrameRender::State::advanceAdaptively(bool onePass) {
             Worker &worker = workers.local();
             static const std::atomic<bool> kGoOn{false};
             passes->make(pieces[i], film, worker.scratch, [&](const Window &part, int first, int last) {
-                const std::uint64_t before = worker.counts.rays();
+                const RayCounts before = worker.counts;
                 worker.tracer.traceTile(part, first, last, {film, tileLocks[tileAt(part.x0, part.y0)], kGoOn}, worker.times, worker.counts);
-                return worker.counts.rays() - before;
+                const std::uint64_t camera = worker.counts.camera - before.camera;
+                return costOf(camera, worker.counts.rays() - before.rays() - camera);
             });
             gotFurther = true;
         });
         if (!std::all_of(pieces.begin(), pieces.end(), isMade)) return;
-        const std::vector<PassPiece> controls = passes->controls();
-        const std::vector<std::vector<double>> again = renderAgain(controls);
-        if (again.size() < controls.size()) return;
-        passes->decide(film, controls, again);
+        const std::vector<PassPiece> controls = passes->drawControls();
+        const std::vector<std::vector<double>> means = renderAgain(controls);
+        if (means.size() < controls.size()) return;
+        passes->decide(film, controls, means);
         adaptiveShare = passes->share();
         tell();
         if (onePass) return;
@@ -285,13 +291,13 @@ namespace {
 struct SavedHead {
     std::uint32_t seed = 0;
     std::int32_t firstSample = 0;
-    std::int32_t adaptive = 0; ///< 1: to the noise of every pixel; 2: of the picture
+    std::int32_t adaptive = 0; ///< 1: to the noise of every pixel; 3: of the picture
     std::int32_t most = 0; ///< adaptive: samples a pixel
     double noise = 0;
 };
 
 SavedHead headOf(const FrameOptions &options) {
-    if (options.picture) return {options.seed, options.picture->firstSamples, 2, options.spp, options.picture->noise};
+    if (options.picture) return {options.seed, options.picture->firstSamples, 3, options.spp, options.picture->noise};
     return {options.seed, options.firstSample, options.noise ? 1 : 0, options.noise ? options.spp : 0, options.noise.value_or(0)};
 }
 
@@ -361,6 +367,7 @@ void FrameRender::restore(std::istream &in) {
             }
     s.film = std::move(film);
     s.passes = std::move(passes);
+    s.again.clear();
     s.pixelSamples = pixelSamples;
     if (s.passes) s.adaptiveShare = s.passes->share();
 }
@@ -376,24 +383,6 @@ std::uint32_t frameSeed(std::uint32_t seed, int frame, bool fixed) {
 
 Image imageOf(const Film &film, const RenderSettings &render) {
     return {film.window(), render.width, render.height, film.channelNames(), film.resolve()};
-}
-
-FrameResult renderFrame(const RenderScene &scene, const FrameOptions &options) {
-    const auto start = Clock::now();
-    FrameOptions told = options;
-    if (options.progress && options.seconds)
-        told.progress = [&](double share) {
-            return options.progress(std::min(1.0, std::max(share, secondsSince(start) / *options.seconds)));
-        };
-    FrameRender frame(scene, told);
-    FrameState state = FrameState::Going;
-    const bool inPasses = options.seconds.has_value();
-    do state = frame.advance({inPasses ? kTimedPass : 0, 0});
-    while (state == FrameState::Going && !(inPasses && secondsSince(start) >= *options.seconds));
-    const StageTimes times = frame.times();
-    const RayCounts counts = frame.counts();
-    const std::optional<PictureNoiseReached> reached = frame.reached();
-    return {std::move(frame).takeFilm(), times, counts, reached, secondsSince(start), state != FrameState::Stopped};
 }
 
 } // namespace taut

@@ -11,45 +11,47 @@ namespace taut {
 
 namespace {
 
-constexpr int kBisections = 40;
+constexpr int kBisections = 24;
 /// A block whose guides saw no noise may have some all the same: it is taken for this share of the mean.
 constexpr double kLeastShare = 0.01;
-/// Guides are looked for so many blocks around. Their standard deviations are averaged, with weights that halve from block to block: one
-/// with rare light counts for less than by its variance.
+/// Guides are looked for so many blocks around. Their standard deviations are averaged, with weights that fall to a fourth from block to
+/// block: one with rare light counts for less than by its variance.
 constexpr int kGuideDistance = 4;
-/// Samples that differ from block to block are worth their while where they save this share of the rays.
-constexpr double kWorthwhile = 0.1;
-/// The first decision goes this part of the way, where that is twice as far as the first pass at least.
+/// Samples that differ from block to block are worth their while where they save this share of the cost.
+constexpr double kWorthwhile = 0.05;
+/// The first decision goes this part of the way, where that is twice as far as the first pass at least, and no further than would do if the
+/// variance fell with the square of the number of samples.
 constexpr int kPartOfTheWay = 4;
-/// Controls: of the blocks one in kBlocksAControl, or kLeastControls where those are at most one in kMostControls.
-constexpr std::size_t kBlocksAControl = 80;
-constexpr std::size_t kLeastControls = 24;
-constexpr std::size_t kMostControls = 40;
+/// The second goes to where the noise is so much above the aim: what it knows of the factor is of fewer samples.
+constexpr double kAlmost = 1.04;
+/// Controls are parts of so many pixels a side. Their number is the two thirds power of that of the pixels over kPixels, where what they cost and
+/// the reserve for what they leave unknown are least together, and at most one for kPixelsAControl.
+constexpr int kControlSide = 2;
+constexpr double kPixels = 16;
+constexpr double kPixelsAControl = 128;
+/// They are drawn once the noise by halves is at most this times the level.
+constexpr double kNear = 2.5;
+/// A block's chance to hold a control grows with this power of its variance: once samples are where they are needed, noise and time of all
+/// blocks are more alike than they were.
+constexpr double kChancePower = 0.5;
+/// Variance that every block is taken to have beside its own, over the mean, when controls are drawn.
+constexpr double kLeastChance = 0.1;
 /// What is known of the factor beforehand: points that stratify each other have p from 1 to 2, so it lies between 1/3 and 1; these are its
 /// mean and standard deviation over the scenes of `taut chart plan`. One control with rare light cannot make it ten.
-constexpr double kUsualFactor = 0.7;
-constexpr double kUsualSpread = 0.25;
+constexpr double kUsualFactor = 0.8;
+constexpr double kUsualSpread = 0.3;
 constexpr double kLeastFactor = 0.2, kGreatestFactor = 1.5;
-/// Chance of a block without noise by its halves to be a control, over that of an average one.
-constexpr double kLeastChance = 0.1;
-/// Share of what is not known of the noise that is kept in reserve.
-constexpr double kMargin = 0.5;
+/// Variance of what a block's halves tell, over its square: pixels and colours of a block tell of each other.
+constexpr double kHalvesSpread = 0.2;
+/// Standard errors of the noise that are kept in reserve, and the most that is, of the noise.
+constexpr double kMargin = 1.2;
+constexpr double kMostReserve = 0.08;
 
 /// A number of samples n, and n^-p.
 struct Step {
     int samples = 0;
     double power = 0;
 };
-
-/// Mean over a block's values of what `value` makes of their place in the window's sums.
-template <class Value> double meanOver(const Window &block, const Window &window, const Value &value) {
-    double sum = 0;
-    for (int y = block.y0; y < block.y1; ++y)
-        for (int x = block.x0; x < block.x1; ++x)
-            for (int channel = 0; channel < 3; ++channel)
-                sum += value(static_cast<std::size_t>(((y - window.y0) * window.width() + x - window.x0) * 3 + channel));
-    return sum / (3.0 * block.width() * block.height());
-}
 
 } // namespace
 
@@ -84,74 +86,94 @@ double PictureNoise::squares() const {
     return sum;
 }
 
-/// What a block's chance to be a control grows with. One without noise by its halves has a small one all the same.
-double PictureNoise::drawWeight(Index block, double mean) const {
-    return weightOf(block) * (errors_[block].variance + kLeastChance * mean);
-}
-
-/// Over pixels, by halves.
-double PictureNoise::meanVariance() const {
+double PictureNoise::told() const {
     double sum = 0;
-    double pixels = 0;
-    for (Index i = 0; i < errors_.size(); ++i) {
-        sum += weightOf(i) * errors_[i].variance;
-        pixels += weightOf(i);
-    }
-    return sum / pixels;
+    for (Index i = 0; i < errors_.size(); ++i) sum += weightOf(i) * errors_[i].variance;
+    return sum;
 }
 
-std::vector<Index> PictureNoise::controls() const {
-    const std::size_t count = std::max(errors_.size() / kBlocksAControl, std::min(kLeastControls, errors_.size() / kMostControls));
-    const double average = meanVariance();
+std::vector<double> PictureNoise::toldAround() const {
+    std::vector<double> around(errors_.size());
+    for (Index i = 0; i < errors_.size(); ++i) {
+        double count = 0;
+        for (int dy = -1; dy <= 1; ++dy)
+            for (int dx = -1; dx <= 1; ++dx)
+                if (const std::optional<Index> other = grid_.beside(i, dx, dy)) {
+                    around[i] += errors_[*other].variance;
+                    ++count;
+                }
+        around[i] /= count;
+    }
+    return around;
+}
+
+/// One of the parts of a block, all equally likely.
+Window PictureNoise::partOf(Index block, std::uint32_t random) const {
+    const Window window = grid_.windowOf(block);
+    const auto across = static_cast<std::uint32_t>((window.width() + kControlSide - 1) / kControlSide);
+    const auto down = static_cast<std::uint32_t>((window.height() + kControlSide - 1) / kControlSide);
+    const int x = window.x0 + kControlSide * static_cast<int>(random % across);
+    const int y = window.y0 + kControlSide * static_cast<int>((random >> 16) % down);
+    return {x, y, std::min(x + kControlSide, window.x1), std::min(y + kControlSide, window.y1)};
+}
+
+const std::vector<Control> &PictureNoise::drawControls() {
+    const double told = this->told();
+    if (!controls_.empty() || !(told > 0) || std::sqrt(kUsualFactor * told / squares()) > kNear * level_) return controls_;
+    double pixels = 0;
+    for (Index i = 0; i < errors_.size(); ++i) pixels += weightOf(i);
+    const std::vector<double> around = toldAround();
+    const auto chance = [&](Index i) { return weightOf(i) * std::pow(around[i] + kLeastChance * told / pixels, kChancePower); };
     double all = 0;
-    for (Index i = 0; i < errors_.size(); ++i) all += drawWeight(i, average);
-    std::vector<Index> drawn;
-    if (!(all > 0)) return drawn;
+    for (Index i = 0; i < errors_.size(); ++i) all += chance(i);
+    const auto count = static_cast<std::size_t>(std::min(std::pow(pixels / kPixels, 2.0 / 3), pixels / kPixelsAControl));
     // Systematic: at equal distances along the sum, from one random place.
     const double step = all / static_cast<double>(count);
     double next = step * static_cast<double>(hash(seed_, static_cast<std::uint32_t>(decisions_))) * 0x1p-32;
     double sum = 0;
     for (Index i = 0; i < errors_.size(); ++i) {
-        sum += drawWeight(i, average);
-        for (; next < sum && drawn.size() < count; next += step) drawn.push_back(i);
+        sum += chance(i);
+        for (; next < sum && controls_.size() < count; next += step)
+            controls_.push_back({i, partOf(i, hash(hash(seed_, i), static_cast<std::uint32_t>(controls_.size()))), chance(i) / weightOf(i)});
     }
-    return drawn;
+    return controls_;
 }
 
 /// The factor, and what it says of the picture as it stands.
-void PictureNoise::measure(const std::vector<Index> &controls, const std::vector<double> &variances) {
-    const double average = meanVariance();
-    double told = 0;
-    double drawn = 0;
-    for (Index i = 0; i < errors_.size(); ++i) {
-        told += weightOf(i) * errors_[i].variance;
-        drawn += drawWeight(i, average);
+void PictureNoise::measure(const std::vector<double> &variances) {
+    const double told = this->told();
+    const std::vector<double> around = toldAround(); // known better than of a block alone, and of the same sum
+    double found = 0;
+    double halves = 0;
+    for (std::size_t k = 0; k < variances.size(); ++k) {
+        found += variances[k] / controls_[k].chance;
+        halves += around[controls_[k].block] / controls_[k].chance;
     }
-    const auto count = static_cast<double>(controls.size());
-    double mean = 0;
-    double squared = 0;
-    for (std::size_t k = 0; k < controls.size(); ++k) {
-        const double ratio = weightOf(controls[k]) * variances[k] / drawWeight(controls[k], average) * drawn / told;
-        mean += ratio / count;
-        squared += ratio * ratio / count;
-    }
-    // Of the factor: what was measured and what is usual, each by how well it is known.
+    // Of the factor: what was measured (Cochran 1977, ratio estimator) and what is usual, each by how well it is known.
     double spread = kUsualSpread;
     factor_ = kUsualFactor;
-    if (count > 1) {
-        const double measured = std::max(sqr(1e-3 * mean), std::max(0.0, squared - mean * mean) / (count - 1)); // its variance
+    const auto count = static_cast<double>(variances.size());
+    if (count > 1 && halves > 0) {
+        const double ratio = found / halves;
+        double residuals = 0;
+        for (std::size_t k = 0; k < variances.size(); ++k)
+            residuals += sqr((variances[k] - ratio * around[controls_[k].block]) / controls_[k].chance);
+        const double measured = std::max(sqr(1e-3 * ratio), residuals * count / (count - 1) / sqr(halves)); // its variance
         const double weight = sqr(kUsualSpread) / (sqr(kUsualSpread) + measured);
-        factor_ = std::clamp(weight * mean + (1 - weight) * kUsualFactor, kLeastFactor, kGreatestFactor);
+        factor_ = std::clamp(weight * ratio + (1 - weight) * kUsualFactor, kLeastFactor, kGreatestFactor);
         spread = std::sqrt(weight * measured);
     }
+    double squared = 0;
+    for (Index i = 0; i < errors_.size(); ++i) squared += sqr(weightOf(i) * errors_[i].variance);
+    const double ofHalves = told > 0 ? kHalvesSpread * squared / sqr(told) : 0; // relative variance of their sum: few blocks may have it all
     const double all = squares();
     const double error = all > 0 ? std::sqrt(factor_ * told / all) : 0;
-    reached_ = {error, 0.5 * error * spread / factor_, static_cast<int>(controls.size()), exponentOf(factor_)};
+    reached_ = {error, 0.5 * error * std::sqrt(sqr(spread / factor_) + ofHalves), static_cast<int>(count), exponentOf(factor_)};
 }
 
 /// The level, less what is not known of the noise: whoever stops when an estimate is low enough stops at one that is too low.
 double PictureNoise::aim() const {
-    return level_ / (1 + (reached_.error > 0 ? kMargin * reached_.spread / reached_.error : 0));
+    return level_ / (1 + (reached_.error > 0 ? std::min(kMostReserve, kMargin * reached_.spread / reached_.error) : 0));
 }
 
 std::vector<PictureNoise::Guide> PictureNoise::guidesOf(int reach) const {
@@ -159,17 +181,17 @@ std::vector<PictureNoise::Guide> PictureNoise::guidesOf(int reach) const {
     double pixels = 0;
     for (Index i = 0; i < errors_.size(); ++i) {
         all.variance += weightOf(i) * varianceOf(i);
-        all.rays += weightOf(i) * errors_[i].rays;
+        all.cost += weightOf(i) * errors_[i].cost;
         pixels += weightOf(i);
     }
-    all = {all.variance / pixels, all.rays / pixels};
+    all = {all.variance / pixels, all.cost / pixels};
     std::vector<Guide> guides(errors_.size());
     std::vector<double> deviations(errors_.size());
     for (Index i = 0; i < errors_.size(); ++i) deviations[i] = std::sqrt(varianceOf(i));
     for (Index i = 0; i < errors_.size(); ++i) {
         const int colour = grid_.colourOf(i);
         double deviation = 0;
-        double rays = 0;
+        double cost = 0;
         double weights = 0;
         for (int dy = -kGuideDistance; dy <= kGuideDistance; ++dy)
             for (int dx = -kGuideDistance; dx <= kGuideDistance; ++dx) {
@@ -177,46 +199,52 @@ std::vector<PictureNoise::Guide> PictureNoise::guidesOf(int reach) const {
                 if (!other) continue;
                 const int steps = (grid_.colourOf(*other) - colour + BlockGrid::kColours) % BlockGrid::kColours;
                 if (steps == 0 || steps > reach) continue;
-                const double weight = std::exp2(1 - std::max(std::abs(dx), std::abs(dy)));
+                const double weight = std::exp2(2 - 2 * std::max(std::abs(dx), std::abs(dy)));
                 deviation += weight * deviations[*other];
-                rays += weight * errors_[*other].rays;
+                cost += weight * errors_[*other].cost;
                 weights += weight;
             }
-        guides[i] = weights > 0 ? Guide{std::max(sqr(deviation / weights), kLeastShare * all.variance), rays / weights} : all;
+        guides[i] = weights > 0 ? Guide{std::max(sqr(deviation / weights), kLeastShare * all.variance), cost / weights} : all;
     }
     return guides;
 }
 
-/// The cheapest numbers of samples with which the picture's noise is the level, none below those that there are. Blocks choose by
+/// The cheapest numbers of samples with which the picture has so much noise, none below those that there are. Blocks choose by
 /// `choosing`, one for all or one for each.
-PictureNoise::Allocation PictureNoise::cheapest(const std::vector<Guide> &choosing) const {
+PictureNoise::Allocation PictureNoise::cheapest(const std::vector<Guide> &choosing, double noiseWanted) const {
     const double p = exponentOf(factor_);
     std::vector<Step> steps; // of good numbers of samples
     for (int n = 1; n <= most_; n = nextSampleCount(n)) steps.push_back({n, std::pow(n, -p)});
-    std::vector<Step> starts; // [blocks]
-    std::vector<double> own;  // [blocks] v
+    struct Start {
+        Step step;             ///< that a block has made
+        std::size_t next = 0;  ///< of the good numbers beyond it
+        double least = 0;      ///< cost of a sample, dithered: blocks of one kind go on one after another, in an order that depends on their place alone
+        double own = 0;        ///< v, over pixels
+    };
+    std::vector<Start> starts; // [blocks]
     for (Index i = 0; i < errors_.size(); ++i) {
-        starts.push_back({errors_[i].samples, std::pow(errors_[i].samples, -p)});
-        own.push_back(weightOf(i) * varianceOf(i));
+        const int samples = errors_[i].samples;
+        const auto next = std::upper_bound(steps.begin(), steps.end(), samples, [](int n, const Step &step) { return n < step.samples; });
+        const Guide &guide = choosing.size() == 1 ? choosing.front() : choosing[i];
+        const double dither = std::exp2(0.5 * (static_cast<double>(hash(i, 7U)) * 0x1p-32 - 0.5));
+        starts.push_back({{samples, std::pow(samples, -p)}, static_cast<std::size_t>(next - steps.begin()), dither * std::max(guide.cost, 1.0),
+                          weightOf(i) * varianceOf(i)});
     }
     const auto stepOf = [&](Index i, double lambda) {
-        const Guide &guide = choosing.size() == 1 ? choosing.front() : choosing[i];
-        Step step = starts[i];
-        // Blocks of one kind go on one after another as lambda falls, in an order that depends on their place alone.
-        const double least = lambda * std::exp2(0.5 * (static_cast<double>(hash(i, 7U)) * 0x1p-32 - 0.5)) * std::max(guide.rays, 1.0);
-        for (const Step &next : steps) {
-            if (next.samples <= step.samples) continue;
-            if (guide.variance * (step.power - next.power) < least * (next.samples - step.samples)) break;
-            step = next;
+        const double variance = (choosing.size() == 1 ? choosing.front() : choosing[i]).variance;
+        Step step = starts[i].step;
+        for (std::size_t k = starts[i].next; k < steps.size(); ++k) {
+            if (variance * (step.power - steps[k].power) < lambda * starts[i].least * (steps[k].samples - step.samples)) break;
+            step = steps[k];
         }
         return step;
     };
     const auto noise = [&](double lambda) { // sum of variances
         double sum = 0;
-        for (Index i = 0; i < errors_.size(); ++i) sum += own[i] * stepOf(i, lambda).power;
+        for (Index i = 0; i < errors_.size(); ++i) sum += starts[i].own * stepOf(i, lambda).power;
         return sum;
     };
-    const double allowed = sqr(aim()) * squares();
+    const double allowed = sqr(noiseWanted) * squares();
     double greatest = 0;
     for (const Guide &guide : choosing) greatest = std::max(greatest, guide.variance);
     double high = std::log(std::max(2 * greatest, 1e-290));
@@ -228,29 +256,33 @@ PictureNoise::Allocation PictureNoise::cheapest(const std::vector<Guide> &choosi
     Allocation allocation;
     for (Index i = 0; i < errors_.size(); ++i) {
         allocation.samples.push_back(stepOf(i, std::exp(low)).samples);
-        allocation.cost += weightOf(i) * (allocation.samples.back() - errors_[i].samples) * errors_[i].rays;
+        allocation.cost += weightOf(i) * (allocation.samples.back() - errors_[i].samples) * errors_[i].cost;
     }
     return allocation;
 }
 
-void PictureNoise::decide(const std::vector<Index> &controls, const std::vector<double> &variances) {
-    measure(controls, variances);
+void PictureNoise::decide(const std::vector<double> &variances) {
+    measure(variances);
     active_.clear();
     if (decisions_ >= kReach.size() || reached_.error <= aim()) return;
-    const bool isFirst = decisions_ == 0;
-    const std::vector<Guide> guides = guidesOf(kReach[decisions_++]);
+    const std::size_t decision = decisions_++;
+    if (kReach[decision] > 0) guides_ = guidesOf(kReach[decision]);
     Guide all;
-    for (const Guide &guide : guides) {
-        all.variance += guide.variance / static_cast<double>(guides.size());
-        all.rays += guide.rays / static_cast<double>(guides.size());
+    for (const Guide &guide : guides_) {
+        all.variance += guide.variance / static_cast<double>(guides_.size());
+        all.cost += guide.cost / static_cast<double>(guides_.size());
     }
-    Allocation wanted = cheapest(guides);
-    Allocation even = cheapest({all});
+    const double wantedNoise = decision == 1 && reached_.error > sqr(kAlmost) * aim() ? kAlmost * aim() : aim();
+    Allocation wanted = cheapest(guides_, wantedNoise);
+    Allocation even = cheapest({all}, wantedNoise);
     if (wanted.cost > (1 - kWorthwhile) * even.cost) wanted = std::move(even);
     for (Index i = 0; i < errors_.size(); ++i) {
         int to = wanted.samples[i];
-        if (isFirst && to >= 2 * kPartOfTheWay * errors_[i].samples)
-            for (to = errors_[i].samples; nextSampleCount(to) <= wanted.samples[i] / kPartOfTheWay;) to = nextSampleCount(to);
+        if (decision == 0 && to >= 2 * kPartOfTheWay * errors_[i].samples) {
+            const double least = errors_[i].samples * std::pow(static_cast<double>(to) / errors_[i].samples, 0.5 * reached_.exponent);
+            const double part = std::min(least, static_cast<double>(to) / kPartOfTheWay);
+            for (to = errors_[i].samples; nextSampleCount(to) <= part;) to = nextSampleCount(to);
+        }
         targets_[i] = to;
         if (to > errors_[i].samples) active_.push_back(i);
     }
@@ -269,15 +301,20 @@ double PictureNoise::done() const {
 }
 
 void PictureNoise::save(std::ostream &out) const {
-    const std::array<std::int64_t, 3> numbers{static_cast<std::int64_t>(decisions_), static_cast<std::int64_t>(errors_.size()),
-                                              static_cast<std::int64_t>(active_.size())};
-    out.write(reinterpret_cast<const char *>(numbers.data()), sizeof numbers);
-    const std::array<double, 5> whole{factor_, reached_.error, reached_.spread, static_cast<double>(reached_.controls), reached_.exponent};
-    out.write(reinterpret_cast<const char *>(whole.data()), sizeof whole);
+    const auto write = [&](const auto &values) { out.write(reinterpret_cast<const char *>(values.data()), sizeof values); };
+    write(std::array<std::int64_t, 5>{static_cast<std::int64_t>(decisions_), static_cast<std::int64_t>(errors_.size()),
+                                      static_cast<std::int64_t>(active_.size()), static_cast<std::int64_t>(guides_.size()),
+                                      static_cast<std::int64_t>(controls_.size())});
+    write(std::array<double, 5>{factor_, reached_.error, reached_.spread, static_cast<double>(reached_.controls), reached_.exponent});
     for (Index i = 0; i < errors_.size(); ++i) {
         const BlockError &e = errors_[i];
-        const std::array<double, 5> values{static_cast<double>(e.samples), e.variance, e.square, e.rays, static_cast<double>(targets_[i])};
-        out.write(reinterpret_cast<const char *>(values.data()), sizeof values);
+        write(std::array<double, 5>{static_cast<double>(e.samples), e.variance, e.square, e.cost, static_cast<double>(targets_[i])});
+    }
+    for (const Guide &guide : guides_) write(std::array<double, 2>{guide.variance, guide.cost});
+    for (const Control &control : controls_) {
+        const Window &w = control.window;
+        write(std::array<double, 6>{static_cast<double>(control.block), static_cast<double>(w.x0), static_cast<double>(w.y0), static_cast<double>(w.x1),
+                                    static_cast<double>(w.y1), control.chance});
     }
     out.write(reinterpret_cast<const char *>(active_.data()), static_cast<std::streamsize>(active_.size() * sizeof(Index)));
 }
@@ -292,11 +329,12 @@ void PictureNoise::load(std::istream &in) {
         for (const double value : values)
             if (!std::isfinite(value) || value < 0) throw InputError("saved frame: found a block's noise that is none, expected finite numbers");
     };
-    std::array<std::int64_t, 3> numbers{};
+    std::array<std::int64_t, 5> numbers{};
     read(numbers.data(), sizeof numbers);
-    const auto [decisions, blocks, active] = numbers;
+    const auto [decisions, blocks, active, guides, controls] = numbers;
     if (blocks != static_cast<std::int64_t>(errors_.size()) || active < 0 || active > blocks || decisions < 0 ||
-        decisions > static_cast<std::int64_t>(kReach.size()))
+        decisions > static_cast<std::int64_t>(kReach.size()) || (guides != 0 && guides != blocks) || (decisions > 0 && guides == 0) || controls < 0 ||
+        controls > blocks)
         throw InputError("saved frame: found blocks of another frame, expected those of this one");
     std::array<double, 5> whole{};
     readNumbers(whole);
@@ -310,30 +348,30 @@ void PictureNoise::load(std::istream &in) {
         errors_[i] = {static_cast<int>(values[0]), values[1], values[2], values[3]};
         targets_[i] = static_cast<int>(values[4]);
     }
+    guides_.clear();
+    for (std::int64_t i = 0; i < guides; ++i) {
+        std::array<double, 2> values{};
+        readNumbers(values);
+        guides_.push_back({values[0], values[1]});
+    }
+    controls_.clear();
+    for (std::int64_t i = 0; i < controls; ++i) {
+        std::array<double, 6> values{};
+        readNumbers(values);
+        const bool isBlock = values[0] < static_cast<double>(errors_.size());
+        const Window block = isBlock ? grid_.windowOf(static_cast<Index>(values[0])) : Window{};
+        const auto within = [&](double value, int from, int to) { return value >= from && value <= to; };
+        if (!within(values[1], block.x0, block.x1) || !within(values[3], block.x0, block.x1) || !within(values[2], block.y0, block.y1) ||
+            !within(values[4], block.y0, block.y1) || !(values[1] < values[3]) || !(values[2] < values[4]) || !(values[5] > 0))
+            throw InputError("saved frame: found a control that is none, expected a part of a block");
+        const Window part{static_cast<int>(values[1]), static_cast<int>(values[2]), static_cast<int>(values[3]), static_cast<int>(values[4])};
+        controls_.push_back({static_cast<Index>(values[0]), part, values[5]});
+    }
     active_.resize(static_cast<std::size_t>(active));
     read(active_.data(), active_.size() * sizeof(Index));
     for (const Index block : active_)
         if (block >= errors_.size()) throw InputError("saved frame: found a block that is none, expected one of its window");
     decisions_ = static_cast<std::size_t>(decisions);
-}
-
-void ColourSums::fill(const Film &film, const Window &window, std::vector<double> &sums) {
-    sums.clear();
-    for (int y = window.y0; y < window.y1; ++y)
-        for (int x = window.x0; x < window.x1; ++x)
-            for (std::size_t channel = 0; channel < 3; ++channel) sums.push_back(film.sumAt(x, y, channel).value());
-}
-
-BlockError blockErrorOf(const Window &block, const Window &window, const ColourSums &sums, int middle, int last) {
-    const double before = middle;
-    const double added = last - middle;
-    const double difference = meanOver(block, window, [&](std::size_t i) {
-        const double d = sums.half[i] / before - (sums.all[i] - sums.half[i]) / added;
-        return d * d;
-    });
-    const double square = meanOver(block, window, [&](std::size_t i) { return sums.all[i] * sums.all[i]; });
-    const double n = last;
-    return {last, difference * before * added / (n * n), square / (n * n), 0};
 }
 
 } // namespace taut

@@ -2,18 +2,20 @@
 /// How many samples each part of a frame gets so that the noise of the whole picture comes down to a level, at least cost.
 ///
 /// The measure is the picture's relative error, sqrt(mean (I - R)^2 / mean R^2), means over pixels and R, G, B. Where the variance of a
-/// block's pixels after n samples is v n^-p, and a sample takes c rays, the cheapest picture of a given noise has the n that make
+/// block's pixels after n samples is v n^-p, and a sample costs c, the cheapest picture of a given noise has the n that make
 /// v n^-p + lambda c n least: Neyman's allocation (1934), for p = 1. Points that stratify each other have p above 1, and do so at powers of
 /// two and, less, at three times those (Sobol 1967); so n is one of these.
 ///
-/// The halves of a block's samples tell v only up to a factor, since they stratify each other. The factor is measured: some blocks
-/// are rendered a second time with other random numbers (controls), drawn in proportion to what their halves tell (Hansen & Hurwitz
-/// 1943). Half the squared difference from the picture is an unbiased estimate of its variance.
+/// The halves of a block's samples tell v only up to a factor, since they stratify each other. The factor is measured: parts of some
+/// blocks are rendered a second time with other random numbers (controls), and go on as their blocks do. Half the squared difference from
+/// the picture is an unbiased estimate of its variance; the ratio to what halves tell there, each over its chance to be drawn (Hansen &
+/// Hurwitz 1943), is the factor.
 ///
 /// As in adaptive.h no block has a say in its own number of samples. After a pass a block looks at those around it of the colours that
 /// follow its own, `kReach` of them; what those have is the doing of their followers. The steps together stay below the nine colours
 /// of the ring, so a block's number of samples does not depend on its own samples, but for lambda and the factor, two numbers of the whole
-/// picture. All follows from sums and ray counts: the same seed gives the same bits for any number of threads.
+/// picture. Decisions that reach nobody keep what was seen before, and change lambda alone. All follows from sums and counts of rays: the same
+/// seed gives the same bits for any number of threads.
 
 #include "taut/render/block_grid.h"
 #include "taut/render/film.h"
@@ -34,26 +36,40 @@ int nextSampleCount(int samples);
 /// to come is factor = 1 / (2^p - 1). In [1, 2].
 double exponentOf(double factor);
 
+/// What samples cost, by their rays: in units of a camera ray that meets nothing. A scattered or a shadow ray takes six times as long, with the
+/// shading that it comes from.
+inline double costOf(std::uint64_t camera, std::uint64_t others) {
+    return static_cast<double>(camera) + 6 * static_cast<double>(others);
+}
+
 /// What is known of a block after a pass.
 struct BlockError {
     int samples = 0;     ///< a pixel
     double variance = 0; ///< of the mean of so many samples, over pixels and R, G, B, as if the halves were independent
     double square = 0;   ///< of the mean, over pixels and R, G, B
-    double rays = 0;     ///< a sample
+    double cost = 0;     ///< of a sample (costOf)
+};
+
+/// A part of a block that is rendered again.
+struct Control {
+    Index block = 0;
+    Window window;
+    double chance = 1; ///< to be drawn, relative to the others'
 };
 
 /// What a picture has reached.
 struct PictureNoiseReached {
     double error = 0;    ///< relative RMS, of the noise alone
     double spread = 0;   ///< standard error of that
-    int controls = 0;    ///< blocks that were rendered twice to know it; 0: it is what halves tell
+    int controls = 0;    ///< parts of blocks that were rendered twice to know it; 0: it is what halves tell
     double exponent = 1; ///< p
 };
 
 class PictureNoise {
   public:
-    /// Steps on the ring of each decision: the first part of the way to the numbers that seem right, then to them, then what is missing still.
-    static constexpr std::array<int, 4> kReach{2, 2, 2, 2};
+    /// Steps on the ring of each decision: the first goes part of the way to the numbers that seem right, the second to them, the others
+    /// do what is missing still.
+    static constexpr std::array<int, 4> kReach{2, 6, 0, 0};
 
     /// Samples the pixels of `window` until the noise of the picture is `level`, or `most` samples a pixel are reached. `first`: samples of
     /// the first pass, at least 2. `seed`: of the drawing of controls.
@@ -68,10 +84,11 @@ class PictureNoise {
     void report(Index block, const BlockError &error) { errors_[block] = error; }
     [[nodiscard]] const BlockError &errorOf(Index block) const { return errors_[block]; }
 
-    /// After the pass: blocks to be rendered again, with as many samples and other random numbers. A block may stand there more than once.
-    [[nodiscard]] std::vector<Index> controls() const;
+    /// After the pass: what is to be rendered with other random numbers, and as many samples as its block has. None where the noise is far
+    /// from the level for sure; from then on that there are some they are the same ones. A part may stand there more than once.
+    const std::vector<Control> &drawControls();
     /// What came of them: half the mean square of the differences from the picture, for each. Then who goes on.
-    void decide(const std::vector<Index> &controls, const std::vector<double> &variances);
+    void decide(const std::vector<double> &variances);
 
     [[nodiscard]] const PictureNoiseReached &reached() const { return reached_; }
     /// Share of the work that is done, for progress.
@@ -84,17 +101,20 @@ class PictureNoise {
   private:
     struct Guide {
         double variance = 0; ///< v: of one sample
-        double rays = 0;
+        double cost = 0;     ///< of one sample
     };
     struct Allocation {
         std::vector<int> samples; ///< [blocks]
-        double cost = 0;          ///< rays
+        double cost = 0;
     };
     [[nodiscard]] std::vector<Guide> guidesOf(int reach) const;
-    [[nodiscard]] Allocation cheapest(const std::vector<Guide> &choosing) const;
-    [[nodiscard]] double drawWeight(Index block, double mean) const;
-    [[nodiscard]] double meanVariance() const;
-    void measure(const std::vector<Index> &controls, const std::vector<double> &variances);
+    [[nodiscard]] Allocation cheapest(const std::vector<Guide> &choosing, double noiseWanted) const;
+    [[nodiscard]] Window partOf(Index block, std::uint32_t random) const;
+    /// Sum over pixels of what halves tell.
+    [[nodiscard]] double told() const;
+    /// What halves tell around each block: the mean over it and its neighbours.
+    [[nodiscard]] std::vector<double> toldAround() const;
+    void measure(const std::vector<double> &variances);
     /// Pixels of a block: what its means weigh.
     [[nodiscard]] double weightOf(Index block) const;
     /// v of a block, by its own halves.
@@ -109,6 +129,8 @@ class PictureNoise {
     std::size_t decisions_ = 0;
     double factor_ = 1; // variance over what halves tell
     PictureNoiseReached reached_;
+    std::vector<Guide> guides_; // [blocks], of the last decision that reached somebody
+    std::vector<Control> controls_;
     std::vector<BlockError> errors_; // [blocks]
     std::vector<int> targets_;       // [blocks] samples after the pass to be made
     std::vector<Index> active_;
@@ -124,23 +146,23 @@ struct ColourSums {
 BlockError blockErrorOf(const Window &block, const Window &window, const ColourSums &sums, int middle, int last);
 
 /// Makes the pass over blocks that fill a window and have as many samples to make, and reports what it found. trace(window, first, last)
-/// adds these samples to the film and returns the number of rays.
+/// adds these samples to the film and returns what they cost.
 template <class Trace>
 void samplePass(PictureNoise &picture, std::span<const Index> blocks, const Window &window, const Film &film, ColourSums &sums,
                 const Trace &trace) {
     const int first = picture.firstOf(blocks.front());
     const int last = picture.lastOf(blocks.front());
     const int middle = std::max(first, last / 2); // where the samples are split into two estimates of the same
-    double rays = 0;
+    double cost = 0;
     const auto add = [&](int from, int to, std::vector<double> &into) {
-        if (from < to) rays += static_cast<double>(trace(window, from, to)) / (window.width() * window.height());
+        if (from < to) cost += static_cast<double>(trace(window, from, to)) / (window.width() * window.height());
         ColourSums::fill(film, window, into);
     };
     add(first, middle, sums.half);
     add(middle, last, sums.all);
     for (const Index block : blocks) {
         BlockError found = blockErrorOf(picture.windowOf(block), window, sums, middle, last);
-        found.rays = (picture.errorOf(block).rays * first + rays) / last;
+        found.cost = (picture.errorOf(block).cost * first + cost) / last;
         picture.report(block, found);
     }
 }
