@@ -8,7 +8,8 @@ namespace taut {
 namespace {
 
 /// Seconds, both cores together.
-constexpr double kTopology = 400e-9;   ///< a face, once; a refined one as well
+constexpr double kTopology = 1.2e-6;   ///< a face, once
+constexpr double kRefined = 4.2e-6;    ///< a refined one: its rows of weights are most of that
 constexpr double kRaysASample = 4;     ///< camera, scattered and shadow rays of a path that meets something
 constexpr double kShadingOverRays = 2; ///< all of a ray's time over its traversal
 
@@ -19,10 +20,12 @@ double facesOf(const Object &object, int level) {
 } // namespace
 
 double ForeseenTime::build(const std::vector<int> &levels) const {
-    double faces = 0;
-    for (std::size_t i = 0; i < levels.size(); ++i) faces += facesOf(scene_.objects[i], levels[i]);
     const PlanCosts costs;
-    return faces * (kTopology + 1e-9 * static_cast<double>(costs.limit) + costs.bvh.refit + costs.bvh.build);
+    double seconds = 0;
+    for (std::size_t i = 0; i < levels.size(); ++i)
+        seconds += facesOf(scene_.objects[i], levels[i]) *
+                   ((levels[i] > 0 ? kRefined : kTopology) + 1e-9 * static_cast<double>(costs.limit) + costs.bvh.refit + costs.bvh.build);
+    return seconds;
 }
 
 double ForeseenTime::update(const std::vector<int> &levels) const {

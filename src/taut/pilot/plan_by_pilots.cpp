@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 
 namespace taut {
 
@@ -17,6 +18,8 @@ constexpr int kWindows = 49;       // of a pilot, if they may be so many
 constexpr int kFewestWindows = 16; // that tell anything
 constexpr int kSamples = 4;        // a pixel, each of the two pictures
 constexpr std::uint32_t kSeed = 0x71107;
+/// Share of the time to build the finest levels that pilots may take where they choose coarser ones: each level takes a fourth of the next.
+constexpr double kLevelShare = 0.3;
 /// The finest level of a pilot; errors of finer ones follow.
 constexpr int kFinestPilot = 3;
 /// How errors fall from level to level: 4 where lines are straight instead of curved, 2 where an outline is off by more than a pixel.
@@ -24,15 +27,17 @@ constexpr float kLeastRatio = 2;
 constexpr float kGreatestRatio = 4;
 /// How the variance of a sample's mean falls with the number of samples: n^-p. What the bench's scenes have.
 constexpr double kTypicalExponent = 1.25;
-/// Relative RMS noise of one sample a pixel, as the bench's scenes have.
-constexpr double kTypicalNoise = 0.5;
+/// Relative RMS noise of one sample a pixel, as the quieter of the bench's scenes have: pilots shall not be dear there either.
+constexpr double kTypicalNoise = 0.25;
 /// Shares of an error that models may have, and what they may turn out to have together before less is saved.
 constexpr std::array<float, 5> kShares{0.05F, 0.15F, 0.3F, 0.5F, 0.7F};
 constexpr double kGreatestBias = 0.75;
+/// An error from which on few samples may do.
+constexpr float kCoarse = 0.05F;
 /// Share of an error that models may have where nothing is measured.
 constexpr float kShareByBounds = 0.3F;
 /// Share of the asked error that is aimed at; the rest is for what is not known of the noise before the end.
-constexpr double kAim = 0.95;
+constexpr double kAim = 0.96;
 constexpr std::array<int, 2> kEventLimits{2, 4};
 
 /// Greatest error that the analysis predicts for a value, over all of a plan's questions of its kind; meshes and materials add in squares.
@@ -87,12 +92,17 @@ class PilotedPlan {
     [[nodiscard]] std::optional<float> toleranceWanted() const { return options_.error ? options_.error : options_.tolerance; }
     [[nodiscard]] int baseLevel() const {
         const double spent = time_.build(levels(kFinestPilot));
-        return spent < 0.5 * kPilotShare * whole() ? kFinestPilot : kProbeLevel;
+        return spent < 0.5 * affordable() ? kFinestPilot : kProbeLevel;
     }
     /// Of the whole job in full; where an error is asked for, with the samples that a typical scene needs for it.
     [[nodiscard]] double whole() const {
         const double samples = options_.error ? samplesFor({kTypicalNoise, 0}, static_cast<double>(*options_.error)) : scene_.render.spp;
         return time_.whole(levels(kMaxSubdivisionLevel), samples);
+    }
+    /// Seconds that pilots may take.
+    [[nodiscard]] double affordable() const {
+        const double share = kPilotShare * whole();
+        return planner_.choosesLevels() ? std::max(share, kLevelShare * time_.build(levels(kMaxSubdivisionLevel))) : share;
     }
     /// Of each mesh: its own, or this where the plan chooses, if it can be so fine.
     [[nodiscard]] std::vector<int> levels(int level) const {
@@ -115,7 +125,7 @@ class PilotedPlan {
         for (const ChoiceValue &value : std::vector<ChoiceValue>{Multiscatter::Off, Multiscatter::Auto, TextureDetail::Moments})
             variants += isAsked(asked_, value) ? 1 : 0;
         variants += asksForEvents() ? static_cast<int>(kEventLimits.size()) : 0;
-        const double left = kPilotShare * whole() - spent;
+        const double left = affordable() - spent;
         const double window = time_.samples(2.0 * kSamples * kPilotWindow * kPilotWindow * variants);
         const int count = static_cast<int>(std::min<double>(kWindows, left / window));
         if (count < kFewestWindows) return false;
@@ -164,15 +174,15 @@ class PilotedPlan {
 
     void measureAll() {
         const int base = planner_.choosesLevels() ? baseLevel() : 0;
-        {
-            RenderScene ready(copyOfScene(), fullAt(levels(base)), false);
-            ready.setFrame(planner_.hardestFrame());
-            reference_ = picture(ready);
-            note(base > 0 ? ChoiceValue(SubdivisionLevel{base}) : ChoiceValue(Multiscatter::Walk), reference_);
-            measureMaterials(ready);
-            measureEvents(ready);
-        }
-        if (base > 0) measureLevels(base);
+        full_ = std::make_unique<RenderScene>(copyOfScene(), fullAt(levels(base)), false);
+        full_->setFrame(planner_.hardestFrame());
+        reference_ = picture(*full_);
+        note(base > 0 ? ChoiceValue(SubdivisionLevel{base}) : ChoiceValue(Multiscatter::Walk), reference_);
+        measureMaterials(*full_);
+        measureEvents(*full_);
+        if (base == 0) return; // what is built serves to verify a plan that changes no mesh
+        full_.reset();
+        measureLevels(base);
     }
 
     void measureMaterials(RenderScene &ready) {
@@ -291,6 +301,21 @@ class PilotedPlan {
         return std::move(*best);
     }
 
+    [[nodiscard]] PilotPicture pictureOf(const ScenePlan &plan) const {
+        const ScenePlan full = fullPlan(scene_);
+        const auto isFull = [](const MeshPlan &a, const MeshPlan &b) {
+            return a.stretch == b.stretch && a.estimator == b.estimator && a.interpolation == b.interpolation && a.subdivisionLevel == b.subdivisionLevel;
+        };
+        if (full_ && std::equal(plan.meshes.begin(), plan.meshes.end(), full.meshes.begin(), isFull)) {
+            full_->setMaterialPlans(plan.materials, plan.details, plan.bearableWaste);
+            full_->setFrame(planner_.hardestFrame());
+            return picture(*full_, plan.maxEvents);
+        }
+        RenderScene ready(copyOfScene(), plan, false);
+        ready.setFrame(planner_.hardestFrame());
+        return picture(ready, plan.maxEvents);
+    }
+
     /// Measures what the chosen models do together. Levels finer than the reference's are held against it at its own, and what the finer
     /// ones leave is predicted.
     void verify(ScenePlan &plan) const {
@@ -305,9 +330,7 @@ class PilotedPlan {
                 for (const Choice &choice : question.choices)
                     if (choice.value == ChoiceValue(SubdivisionLevel{finer})) left += sqr(static_cast<double>(choice.error));
         }
-        RenderScene ready(copyOfScene(), tried, false);
-        ready.setFrame(planner_.hardestFrame());
-        const Estimate square = squaredDifference(picture(ready, plan.maxEvents), reference_);
+        const Estimate square = squaredDifference(pictureOf(tried), reference_);
         plan.predictedError = static_cast<float>(std::sqrt(std::max(0.0, square.value) + square.spread + left));
     }
 
@@ -317,6 +340,7 @@ class PilotedPlan {
         budget.bias = options_.full ? 0 : plan.predictedError;
         const double error = static_cast<double>(budget.error);
         budget.noise = static_cast<float>(std::sqrt(std::max(sqr(kAim * error) - sqr(static_cast<double>(budget.bias)), sqr(0.25 * error))));
+        if (budget.error >= kCoarse) budget.firstSamples = 2; // it may be all that is needed
         if (!findings_.empty()) {
             budget.samples = static_cast<float>(samplesFor(samplingOf(plan), static_cast<double>(budget.noise)));
             budget.firstSamples = 2;
@@ -331,6 +355,7 @@ class PilotedPlan {
     ScenePlan asked_; // by the analysis alone: its questions
     ForeseenTime time_;
     std::vector<Window> windows_;
+    std::unique_ptr<RenderScene> full_; // where no levels are to be measured
     PilotPicture reference_;
     PlanScales scales_;
     std::optional<Question> events_;
