@@ -11,7 +11,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <ctime>
+#include <iostream>
+#include <map>
 #include <optional>
 
 namespace taut::chart {
@@ -19,8 +22,8 @@ namespace taut::chart {
 namespace {
 
 constexpr std::array<float, 3> kErrors{0.1F, 0.03F, 0.01F};
-constexpr int kMost = 1 << 15; // samples a pixel
-constexpr int kSeeds = 3;      // errors of few samples are averaged over
+constexpr std::array<int, 3> kByHand{16, 64, 256}; // samples a pixel
+constexpr int kMost = 1 << 15;
 
 /// Of this process, all its threads: what a busy machine disturbs least.
 double processSeconds() {
@@ -82,19 +85,84 @@ Shot shootFixed(const Scene &scene, double frame, int spp, std::uint32_t seed) {
     return shoot(scene, frame, std::move(planned), options, began);
 }
 
-/// Error against what two references would be without their noise: E (I - R1) (I - R2) = (I - R)^2.
-double trueError(const std::vector<float> &image, const std::array<std::vector<float>, 2> &references) {
-    double square = 0;
-    double all = 0;
-    for (std::size_t i = 0; i < image.size(); ++i) {
-        const auto value = static_cast<double>(image[i]);
-        const auto first = static_cast<double>(references[0][i]);
-        const auto second = static_cast<double>(references[1][i]);
-        square += (value - first) * (value - second);
-        all += first * second;
+/// Two pictures of the full model that know nothing of each other: means over all samples that were ever taken of it.
+class References {
+  public:
+    void add(std::size_t which, const std::vector<float> &values, int samples) {
+        Sum &sum = sums_[which];
+        sum.values.resize(values.size(), 0.0);
+        for (std::size_t i = 0; i < values.size(); ++i) sum.values[i] += static_cast<double>(values[i]) * samples;
+        sum.samples += samples;
     }
-    return std::sqrt(std::max(square, 0.0) / all);
-}
+    /// Error against what they would be without their noise: E (I - R1) (I - R2) = (I - R)^2.
+    [[nodiscard]] double trueError(const std::vector<float> &image) const {
+        double square = 0;
+        double all = 0;
+        for (std::size_t i = 0; i < image.size(); ++i) {
+            const auto value = static_cast<double>(image[i]);
+            const double first = sums_[0].values[i] / sums_[0].samples;
+            const double second = sums_[1].values[i] / sums_[1].samples;
+            square += (value - first) * (value - second);
+            all += first * second;
+        }
+        return std::sqrt(std::max(square, 0.0) / all);
+    }
+
+  private:
+    struct Sum {
+        std::vector<double> values;
+        double samples = 0;
+    };
+    std::array<Sum, 2> sums_;
+};
+
+/// The full model with as many samples in every pixel: its error by two pictures that know nothing of each other, and what one takes. Numbers of
+/// samples are tried when they are asked for.
+class FixedSamples {
+  public:
+    FixedSamples(const Scene &scene, double frame, int most) : scene_(scene), frame_(frame), most_(most) {}
+
+    struct Tried {
+        double error = 0, seconds = 0;
+    };
+    const Tried &at(int samples) {
+        const auto [place, isNew] = tried_.try_emplace(samples);
+        if (!isNew) return place->second;
+        std::array<Shot, 2> shots;
+        for (std::size_t i = 0; i < 2; ++i) {
+            shots[i] = shootFixed(scene_, frame_, samples, static_cast<std::uint32_t>(1000 * (i + 1) + static_cast<std::size_t>(samples)));
+            references_.add(i, shots[i].values, samples);
+            place->second.seconds += shots[i].seconds / 2;
+        }
+        double square = 0;
+        double all = 0;
+        for (std::size_t i = 0; i < shots[0].values.size(); ++i) {
+            square += 0.5 * sqr(static_cast<double>(shots[0].values[i]) - static_cast<double>(shots[1].values[i]));
+            all += static_cast<double>(shots[0].values[i]) * static_cast<double>(shots[1].values[i]);
+        }
+        place->second.error = std::sqrt(square / all);
+        return place->second;
+    }
+    /// Seconds with the fewest samples, of 1, 2, 3, 4, 6, 8, ..., that reach an error; beyond the most that are tried, as many as the last part
+    /// of the curve foresees, in proportion.
+    double secondsTo(double error) {
+        int samples = 1;
+        while (samples < most_ && at(samples).error > error) samples *= 2;
+        const Tried &last = at(samples);
+        if (last.error <= error) return samples > 2 && at(samples / 4 * 3).error <= error ? at(samples / 4 * 3).seconds : last.seconds;
+        const std::array<ErrorPoint, 2> curve{ErrorPoint{samples / 4.0, at(samples / 4).error}, {static_cast<double>(samples), last.error}};
+        const double rate = (last.seconds - at(samples / 4).seconds) / (0.75 * samples);
+        return last.seconds + rate * (samplesToReach(curve, error) - samples);
+    }
+    [[nodiscard]] const References &references() const { return references_; }
+
+  private:
+    const Scene &scene_;
+    double frame_;
+    int most_;
+    std::map<int, Tried> tried_;
+    References references_;
+};
 
 /// One way to render to an error.
 struct Way {
@@ -108,43 +176,22 @@ struct Way {
 struct Outcome {
     std::string name;
     std::array<Way, kErrors.size()> planned, samplesAlone;
+    std::array<FixedSamples::Tried, kByHand.size()> byHand;
 };
-
-/// Seconds of the full model for an error: with the fewest samples of the curve that reach it, or, beyond its end, with as many as its
-/// last part foresees, in proportion.
-double fixedSeconds(const std::vector<ErrorPoint> &curve, const std::vector<double> &seconds, double error) {
-    for (std::size_t i = 0; i < curve.size(); ++i)
-        if (curve[i].error <= error) return seconds[i];
-    const double rate = (seconds.back() - seconds.front()) / (curve.back().samples - curve.front().samples);
-    return seconds.back() + rate * (samplesToReach(curve, error) - curve.back().samples);
-}
 
 Outcome outcomeOf(const ErrorScene &from, int most) {
     const Scene scene = from.make();
-    const std::array<std::vector<float>, 2> references{shootFixed(scene, from.frame, 4 * most, 1001).values,
-                                                       shootFixed(scene, from.frame, 4 * most, 1002).values};
-    std::vector<ErrorPoint> curve;
-    std::vector<double> seconds;
-    for (int spp = 1; spp <= most; spp = nextSampleCount(spp)) {
-        double square = 0;
-        double spent = 0;
-        const int seeds = spp < 32 ? kSeeds : 1;
-        for (int seed = 1; seed <= seeds; ++seed) {
-            const Shot shot = shootFixed(scene, from.frame, spp, static_cast<std::uint32_t>(seed));
-            square += sqr(trueError(shot.values, references)) / seeds;
-            spent += shot.seconds / seeds;
-        }
-        curve.push_back({static_cast<double>(spp), std::sqrt(square)});
-        seconds.push_back(spent);
-    }
+    FixedSamples fixed(scene, from.frame, most);
     Outcome outcome;
     outcome.name = from.name;
+    std::array<double, kErrors.size()> seconds{};
+    for (std::size_t i = 0; i < kErrors.size(); ++i) seconds[i] = fixed.secondsTo(static_cast<double>(kErrors[i]));
+    for (std::size_t i = 0; i < kByHand.size(); ++i) outcome.byHand[i] = fixed.at(std::min(kByHand[i], most));
     for (std::size_t i = 0; i < kErrors.size(); ++i)
         for (const bool full : {false, true}) {
             const Shot shot = shootTo(scene, from.frame, kErrors[i], full, 17);
             Way &way = full ? outcome.samplesAlone[i] : outcome.planned[i];
-            way = {trueError(shot.values, references), shot.told, shot.seconds, 0, shot.samples};
-            way.fixed = fixedSeconds(curve, seconds, static_cast<double>(kErrors[i]));
+            way = {fixed.references().trueError(shot.values), shot.told, shot.seconds, seconds[i], shot.samples};
         }
     return outcome;
 }
@@ -168,15 +215,30 @@ std::string asked(std::size_t i) {
     return "error " + digits(static_cast<double>(kErrors[i]));
 }
 
+/// A chart of many minutes says how far it is.
+void tell(const Outcome &outcome) {
+    std::cerr << outcome.name;
+    for (std::size_t i = 0; i < kErrors.size(); ++i) {
+        const Way &way = outcome.planned[i];
+        std::cerr << "; " << kErrors[i] << ": true " << digits(way.error) << ", told " << digits(way.told) << ", time " << digits(way.ratio()) << ", samples alone "
+                  << digits(outcome.samplesAlone[i].ratio());
+    }
+    std::cerr << std::endl;
+}
+
 } // namespace
 
 Chart measurePlan(const ChartOptions &options) {
     const bool quick = options.effort == Effort::Quick;
-    const int width = quick ? 48 : 96;
+    const char *wanted = std::getenv("TAUT_PLAN_WIDTH");
+    const int width = wanted != nullptr ? std::clamp(std::atoi(wanted), 16, 1024) : quick ? 48 : 96;
     std::vector<Outcome> outcomes;
     int number = 0;
     for (const ErrorScene &scene : errorScenes(width))
-        if (!quick || number++ % 6 == 2) outcomes.push_back(outcomeOf(scene, quick ? 64 : 256));
+        if (!quick || number++ % 6 == 2) {
+            outcomes.push_back(outcomeOf(scene, quick ? 64 : 256));
+            tell(outcomes.back());
+        }
 
     const std::string conditions = std::to_string(outcomes.size()) + " scenes, " + std::to_string(width) +
                                    " pixels wide; time of the process from the scene on: plan, pilots, topology, frame, samples";
@@ -186,6 +248,8 @@ Chart measurePlan(const ChartOptions &options) {
     Panel time{"time", "Time over that of the full model with the best fixed samples", conditions,
                {"time to the asked error, full model with the best fixed samples 1", ""}, {"true error of the picture, relative RMS", ""}, {}};
     time.hasFront = time.labelled = false;
+    Panel hand{"hand", "By hand and by an error", conditions, {"time", "s"}, {"true error of the picture, relative RMS", ""}, {}};
+    hand.hasFront = hand.labelled = false;
     Panel parts{"parts", "All scenes: what samples save, and what models save beside", conditions,
                 {"time to the asked error, geometric mean", "", false}, {"error that is asked for", ""}, {}};
     parts.joined = true;
@@ -195,8 +259,13 @@ Chart measurePlan(const ChartOptions &options) {
     std::vector<double> shares;
     double slowest = 0;
     for (const Outcome &outcome : outcomes)
+        for (std::size_t i = 0; i < kByHand.size(); ++i)
+            hand.points.push_back({"full model, " + std::to_string(kByHand[i]) + " samples", outcome.name, {outcome.byHand[i].seconds},
+                                   {outcome.byHand[i].error}, false});
+    for (const Outcome &outcome : outcomes)
         for (std::size_t i = 0; i < kErrors.size(); ++i) {
             const Way &way = outcome.planned[i];
+            hand.points.push_back({asked(i), outcome.name, {way.seconds}, {way.error}, false});
             const auto error = static_cast<double>(kErrors[i]);
             honesty.points.push_back({asked(i), outcome.name, {error}, {way.error}, false});
             time.points.push_back({asked(i), outcome.name, {way.ratio()}, {way.error}, false});
@@ -214,11 +283,11 @@ Chart measurePlan(const ChartOptions &options) {
         parts.points.push_back({"plan, samples where they are needed", asked(i), {geometricMean(ratiosOf(outcomes, true, i))}, error, true});
     }
     Chart chart{"plan", "An error that is asked for",
-                "Pictures rendered to a relative RMS error, bias and noise together, against the full model. The truth is the full model as two "
-                "references without their noise; the best fixed number of samples is the first of 1, 2, 3, 4, 6, 8, 12, ... that reaches the asked error.",
+                "Pictures rendered to a relative RMS error, bias and noise together, against the full model. The truth is the full model without "
+                "its noise, by two references of all its samples; the best fixed number of samples is the first of 1, 2, 3, 4, 6, 8, 12, ... that reaches the asked error.",
                 "In the first plot pictures below the diagonal keep what was asked, and those close to it waste nothing. In the others left saves "
                 "time."};
-    chart.panels = {honesty, time, parts};
+    chart.panels = {honesty, time, hand, parts};
     chart.tables = {table};
     const std::vector<double> all = ratiosOf(outcomes, true, std::nullopt);
     chart.choice = "The true error is at most the asked one in " + std::to_string(kept) + " of " + std::to_string(shares.size()) +
