@@ -18,7 +18,7 @@ using namespace taut::test;
 
 namespace {
 
-constexpr int kSpp = 24;
+constexpr int kSamples = 24;
 
 /// A sheared torus that moves while the shutter is open, over a floor, under lamp and sky: blur, AOVs, several events.
 Scene steppedScene() {
@@ -30,7 +30,7 @@ Scene steppedScene() {
 
 FrameOptions steppedOptions(bool adaptive) {
     FrameOptions options;
-    options.spp = adaptive ? 96 : kSpp;
+    options.spp = adaptive ? 96 : kSamples;
     if (adaptive) options.noise = 0.05;
     options.seed = 77;
     const std::string_view names[] = {"m", "stretch", "depth"};
@@ -186,7 +186,7 @@ TEST_CASE("frame: it is read while it goes on, and what is read is whole samples
             const Window &w = film.window();
             for (int y = w.y0; y < w.y1; ++y)
                 for (int x = w.x0; x < w.x1; ++x)
-                    sane &= film.samplesAt(x, y) <= kSpp && film.samplesAt(x, y) == film.samplesAt(x / 16 * 16, y / 16 * 16);
+                    sane &= film.samplesAt(x, y) <= kSamples && film.samplesAt(x, y) == film.samplesAt(x / 16 * 16, y / 16 * 16);
         }
     });
     while (s.render->advance({1, 0}) == FrameState::Going) {}
@@ -285,7 +285,7 @@ TEST_CASE("frame: a state of another frame or a damaged one is refused, and noth
         CHECK_FALSE(refused(same, bytes.substr(0, length)).empty());
     // More samples than it was begun with are no other frame.
     other = same;
-    other.spp = 2 * kSpp;
+    other.spp = 2 * kSamples;
     CHECK(refused(other, bytes).empty());
 }
 
