@@ -20,7 +20,8 @@ struct One {
 /// The chain, a vertex at a time.
 One carryOne(const CarryingMap &map, const Vec3 &rest, const Vec3 &restNormal) {
     const Frame frame = quickFrameFromNormal(restNormal);
-    One v{transformPoint(map.carrier, rest), map.carrierFromRest * frame.s, map.carrierFromRest * frame.t, map.carrierFromRest * frame.n, {}};
+    One v{
+        transformPoint(map.carrier, rest), map.carrierFromRest * frame.s, map.carrierFromRest * frame.t, map.carrierFromRest * frame.n, {}};
     if (!map.deformers.empty()) {
         DVec3 x(v.position);
         DVec3 directions[3] = {DVec3(v.f1), DVec3(v.f2), DVec3(v.image)};

@@ -109,8 +109,9 @@ TEST_CASE("frame: stopped a hundred times at random, saved, gone on with in othe
         for (unsigned child = 0; child < 10; ++child) {
             const std::string task = std::string(adaptive ? "adaptive " : "even ") + std::to_string(child) + ' ' +
                                      std::to_string(1 + child % 3) + ' ' + std::to_string(longest);
-            const CommandResult result = runProgram(
-                {"/usr/bin/env", kTask + std::string("=") + task, kState + std::string("=") + path, fs::read_symlink("/proc/self/exe").string(), "[frame-child]"}, 300);
+            const CommandResult result = runProgram({"/usr/bin/env", kTask + std::string("=") + task, kState + std::string("=") + path,
+                                                     fs::read_symlink("/proc/self/exe").string(), "[frame-child]"},
+                                                    300);
             INFO(result.out << result.err);
             REQUIRE(result.exitCode == 0);
         }

@@ -81,7 +81,8 @@ class RareField {
         std::mt19937 field(1000 + seed);
         std::normal_distribution<double> normal;
         columns_ = window.x1 / patch_ + 1;
-        for (int i = 0; i < columns_ * (window.y1 / patch_ + 1); ++i) chances_.push_back(std::clamp(chance * std::exp(-spread * normal(field)), 1e-3, 0.9));
+        for (int i = 0; i < columns_ * (window.y1 / patch_ + 1); ++i)
+            chances_.push_back(std::clamp(chance * std::exp(-spread * normal(field)), 1e-3, 0.9));
     }
     [[nodiscard]] double chanceAt(int x, int y) const { return chances_[static_cast<std::size_t>(y / patch_ * columns_ + x / patch_)]; }
     [[nodiscard]] double varianceAt(int x, int y) const { return 1 / chanceAt(x, y) - 1; }
@@ -230,10 +231,12 @@ TEST_CASE("picture noise: never worse than as many samples everywhere, however r
         int patch;
         double atMost; ///< variance over that of even samples
     };
-    // Where blocks differ from all their neighbours nobody can know; where they are alike there is nothing to gain. Half of the pixels with half
-    // as many samples again as the others, since only some numbers are good: (1 + 1.5) / 2 (1 + 1 / 1.5) / 2 = 1.042 of the variance.
-    for (const Field &field : {Field{"the same everywhere", 0.02, 0, 1, 1.042}, {"very rare everywhere", 0.004, 0, 1, 1.05},
-                               {"each block by itself", 0.05, 1, 1, 1.05}, {"in patches", 0.05, 1.5, 6, 0.85}}) {
+    // Where blocks differ from all their neighbours nobody can know; where they are alike there is nothing to gain. Half of the pixels with
+    // half as many samples again as the others, since only some numbers are good: (1 + 1.5) / 2 (1 + 1 / 1.5) / 2 = 1.042 of the variance.
+    for (const Field &field : {Field{"the same everywhere", 0.02, 0, 1, 1.042},
+                               {"very rare everywhere", 0.004, 0, 1, 1.05},
+                               {"each block by itself", 0.05, 1, 1, 1.05},
+                               {"in patches", 0.05, 1.5, 6, 0.85}}) {
         double mean = 0;
         for (unsigned seed = 1; seed <= 4; ++seed) {
             RareField light(window, field.chance, field.spread, field.patch, seed);
@@ -279,8 +282,8 @@ TEST_CASE("picture noise: pictures have the mean of a converged one", "[picture-
     const double wholeSpread = std::sqrt((wholeSquare - whole * whole) / (kSeeds - 1));
     INFO("sum of all pixels off by " << whole << " +- " << wholeSpread << ", " << samples << " samples a pixel");
     CHECK(std::fabs(whole) < 4 * wholeSpread);
-    // Of each value the squared mean: its variance, and the reference's, where there is no bias. Of independent normal values the sum has the
-    // variance 2 sum v^2.
+    // Of each value the squared mean: its variance, and the reference's, where there is no bias. Of independent normal values the sum has
+    // the variance 2 sum v^2.
     const double both = 1 + kSeeds * samples / even.spp;
     double bias = 0;
     double noise = 0;
@@ -349,7 +352,8 @@ TEST_CASE("picture noise: the same bits for any number of threads, budgets, and 
 
 TEST_CASE("picture noise: the command takes an error and says what it reached", "[picture-noise][cli]") {
     const Workplace place("error");
-    const CommandResult result = runTaut({"render", place.scene, "-o", place.path("a.exr"), "--error", "0.1", "--stats", place.path("s.json"), "--progress", "plain"});
+    const CommandResult result = runTaut(
+        {"render", place.scene, "-o", place.path("a.exr"), "--error", "0.1", "--stats", place.path("s.json"), "--progress", "plain"});
     requireSuccess(result);
     CHECK(result.err.find("error 0.") != std::string::npos);
     CHECK(result.err.find("noise 0.") != std::string::npos);
@@ -363,6 +367,7 @@ TEST_CASE("picture noise: the command takes an error and says what it reached", 
         checkUsageError(runTaut({"render", place.scene, "-o", place.path("b.exr"), "--error", "0.1", option, value}), option);
     }
     checkUsageError(runTaut({"view", place.scene, "--no-open", "--error", "0.1"}), "--error");
-    checkUsageError(runTaut({"render", place.scene, "-o", place.path("b.exr"), "--error", "0.1", "--shard", "1/2", "--shard-by", "rows"}), "--error");
+    checkUsageError(runTaut({"render", place.scene, "-o", place.path("b.exr"), "--error", "0.1", "--shard", "1/2", "--shard-by", "rows"}),
+                    "--error");
     CHECK(!fs::exists(place.path("b.exr")));
 }

@@ -126,7 +126,8 @@ TEST_CASE("pilots: predicted errors of levels are what whole pictures show", "[p
     };
     for (const int level : {1, 2}) {
         const double error = relativeRms(picture(level), full);
-        INFO("level " << level << ": true " << error << ", by pilots " << predicted(planned.plan, level) << ", by analysis " << predicted(analysed, level));
+        INFO("level " << level << ": true " << error << ", by pilots " << predicted(planned.plan, level) << ", by analysis "
+                      << predicted(analysed, level));
         CHECK(predicted(planned.plan, level) > 0.6 * error);
         CHECK(predicted(planned.plan, level) < 2.5 * error);
     }

@@ -116,8 +116,8 @@ class References {
     std::array<Sum, 2> sums_;
 };
 
-/// The full model with as many samples in every pixel: its error by two pictures that know nothing of each other, and what one takes. Numbers of
-/// samples are tried when they are asked for.
+/// The full model with as many samples in every pixel: its error by two pictures that know nothing of each other, and what one takes.
+/// Numbers of samples are tried when they are asked for.
 class FixedSamples {
   public:
     FixedSamples(const Scene &scene, double frame, int most) : scene_(scene), frame_(frame), most_(most) {}
@@ -143,8 +143,8 @@ class FixedSamples {
         place->second.error = std::sqrt(square / all);
         return place->second;
     }
-    /// Seconds with the fewest samples, of 1, 2, 3, 4, 6, 8, ..., that reach an error; beyond the most that are tried, as many as the last part
-    /// of the curve foresees, in proportion.
+    /// Seconds with the fewest samples, of 1, 2, 3, 4, 6, 8, ..., that reach an error; beyond the most that are tried, as many as the last
+    /// part of the curve foresees, in proportion.
     double secondsTo(double error) {
         int samples = 1;
         while (samples < most_ && at(samples).error > error) samples *= 2;
@@ -220,8 +220,8 @@ void tell(const Outcome &outcome) {
     std::cerr << outcome.name;
     for (std::size_t i = 0; i < kErrors.size(); ++i) {
         const Way &way = outcome.planned[i];
-        std::cerr << "; " << kErrors[i] << ": true " << digits(way.error) << ", told " << digits(way.told) << ", time " << digits(way.ratio()) << ", samples alone "
-                  << digits(outcome.samplesAlone[i].ratio());
+        std::cerr << "; " << kErrors[i] << ": true " << digits(way.error) << ", told " << digits(way.told) << ", time "
+                  << digits(way.ratio()) << ", samples alone " << digits(outcome.samplesAlone[i].ratio());
     }
     std::cerr << std::endl;
 }
@@ -242,16 +242,28 @@ Chart measurePlan(const ChartOptions &options) {
 
     const std::string conditions = std::to_string(outcomes.size()) + " scenes, " + std::to_string(width) +
                                    " pixels wide; time of the process from the scene on: plan, pilots, topology, frame, samples";
-    Panel honesty{"honesty", "Asked against true error, every scene", conditions, {"error that is asked for", ""},
-                  {"true error of the picture, relative RMS", ""}, {}};
+    Panel honesty{"honesty",
+                  "Asked against true error, every scene",
+                  conditions,
+                  {"error that is asked for", ""},
+                  {"true error of the picture, relative RMS", ""},
+                  {}};
     honesty.hasFront = honesty.labelled = false;
-    Panel time{"time", "Time over that of the full model with the best fixed samples", conditions,
-               {"time to the asked error, full model with the best fixed samples 1", ""}, {"true error of the picture, relative RMS", ""}, {}};
+    Panel time{"time",
+               "Time over that of the full model with the best fixed samples",
+               conditions,
+               {"time to the asked error, full model with the best fixed samples 1", ""},
+               {"true error of the picture, relative RMS", ""},
+               {}};
     time.hasFront = time.labelled = false;
     Panel hand{"hand", "By hand and by an error", conditions, {"time", "s"}, {"true error of the picture, relative RMS", ""}, {}};
     hand.hasFront = hand.labelled = false;
-    Panel parts{"parts", "All scenes: what samples save, and what models save beside", conditions,
-                {"time to the asked error, geometric mean", "", false}, {"error that is asked for", ""}, {}};
+    Panel parts{"parts",
+                "All scenes: what samples save, and what models save beside",
+                conditions,
+                {"time to the asked error, geometric mean", "", false},
+                {"error that is asked for", ""},
+                {}};
     parts.joined = true;
     parts.hasFront = false;
     Table table{"scenes", "Every scene", {"scene", "asked", "true error", "told", "samples a pixel", "time over full", "samples alone"}};
@@ -260,8 +272,11 @@ Chart measurePlan(const ChartOptions &options) {
     double slowest = 0;
     for (const Outcome &outcome : outcomes)
         for (std::size_t i = 0; i < kByHand.size(); ++i)
-            hand.points.push_back({"full model, " + std::to_string(kByHand[i]) + " samples", outcome.name, {outcome.byHand[i].seconds},
-                                   {outcome.byHand[i].error}, false});
+            hand.points.push_back({"full model, " + std::to_string(kByHand[i]) + " samples",
+                                   outcome.name,
+                                   {outcome.byHand[i].seconds},
+                                   {outcome.byHand[i].error},
+                                   false});
     for (const Outcome &outcome : outcomes)
         for (std::size_t i = 0; i < kErrors.size(); ++i) {
             const Way &way = outcome.planned[i];
@@ -269,8 +284,8 @@ Chart measurePlan(const ChartOptions &options) {
             const auto error = static_cast<double>(kErrors[i]);
             honesty.points.push_back({asked(i), outcome.name, {error}, {way.error}, false});
             time.points.push_back({asked(i), outcome.name, {way.ratio()}, {way.error}, false});
-            table.rows.push_back({outcome.name, digits(error), digits(way.error), digits(way.told), digits(way.samples), digits(way.ratio()),
-                                  digits(outcome.samplesAlone[i].ratio())});
+            table.rows.push_back({outcome.name, digits(error), digits(way.error), digits(way.told), digits(way.samples),
+                                  digits(way.ratio()), digits(outcome.samplesAlone[i].ratio())});
             kept += way.error <= error ? 1 : 0;
             shares.push_back(way.error / error);
             slowest = std::max(slowest, way.ratio());
@@ -279,14 +294,18 @@ Chart measurePlan(const ChartOptions &options) {
     for (std::size_t i = 0; i < kErrors.size(); ++i) {
         const Measured error{static_cast<double>(kErrors[i])};
         parts.points.push_back({"full model, fixed samples", asked(i), {1}, error, false});
-        parts.points.push_back({"full model, samples where they are needed", asked(i), {geometricMean(ratiosOf(outcomes, false, i))}, error, false});
-        parts.points.push_back({"plan, samples where they are needed", asked(i), {geometricMean(ratiosOf(outcomes, true, i))}, error, true});
+        parts.points.push_back(
+            {"full model, samples where they are needed", asked(i), {geometricMean(ratiosOf(outcomes, false, i))}, error, false});
+        parts.points.push_back(
+            {"plan, samples where they are needed", asked(i), {geometricMean(ratiosOf(outcomes, true, i))}, error, true});
     }
-    Chart chart{"plan", "An error that is asked for",
-                "Pictures rendered to a relative RMS error, bias and noise together, against the full model. The truth is the full model without "
-                "its noise, by two references of all its samples; the best fixed number of samples is the first of 1, 2, 3, 4, 6, 8, 12, ... that reaches the asked error.",
-                "In the first plot pictures below the diagonal keep what was asked, and those close to it waste nothing. In the others left saves "
-                "time."};
+    Chart chart{
+        "plan", "An error that is asked for",
+        "Pictures rendered to a relative RMS error, bias and noise together, against the full model. The truth is the full model without "
+        "its noise, by two references of all its samples; the best fixed number of samples is the first of 1, 2, 3, 4, 6, 8, 12, ... that "
+        "reaches the asked error.",
+        "In the first plot pictures below the diagonal keep what was asked, and those close to it waste nothing. In the others left saves "
+        "time."};
     chart.panels = {honesty, time, hand, parts};
     chart.tables = {table};
     const std::vector<double> all = ratiosOf(outcomes, true, std::nullopt);

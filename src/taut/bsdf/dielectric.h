@@ -62,7 +62,8 @@ struct DielectricBsdf {
         const bool through = facet::refract(wo, wm, cosine, view.eta, refracted);
         const float beyond = through ? -refracted.z : -1.0F;
         return {{reflects ? reflected.x : refracted.x, reflects ? reflected.y : refracted.y, reflects ? reflected.z : refracted.z},
-                std::min(cosine, reflects ? reflected.z : beyond), -1};
+                std::min(cosine, reflects ? reflected.z : beyond),
+                -1};
     }
 };
 

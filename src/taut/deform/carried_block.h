@@ -22,9 +22,9 @@ struct CarryingMap {
 
 struct CarriedBlock {
     static constexpr int kSize = 64;
-    Lanes3<kSize> rest;       ///< in: position, object space
-    Lanes3<kSize> restNormal; ///< in: unit, rest space
-    Lanes3<kSize> position;   ///< render space, as all that follows
+    Lanes3<kSize> rest;          ///< in: position, object space
+    Lanes3<kSize> restNormal;    ///< in: unit, rest space
+    Lanes3<kSize> position;      ///< render space, as all that follows
     Lanes3<kSize> f1, f2, image; ///< F e1, F e2, F n
     Lanes3<kSize> normal;        ///< unit cross(f1, f2)
     float upright[kSize];        ///< > 0 where `normal` is right: elsewhere the parallelogram has collapsed

@@ -149,8 +149,8 @@ inline Vector3<T> spreadVisibleNormal(const BasicMicroTransform<T> &m, const Vec
 }
 /// spreadVisibleNormal() without a branch, for loops over many: both a cap and a chord are made.
 template <class T>
-[[gnu::always_inline]] inline Vector3<T> spreadVisibleNormalBranchless(const BasicMicroTransform<T> &m, const Vector3<T> &wo, const Vector2<T> &u,
-                                                std::type_identity_t<T> k = 1) {
+[[gnu::always_inline]] inline Vector3<T> spreadVisibleNormalBranchless(const BasicMicroTransform<T> &m, const Vector3<T> &wo,
+                                                                       const Vector2<T> &u, std::type_identity_t<T> k = 1) {
     const Vector3<T> cap = sampleCap(m, wo, u, k);
     const Vector3<T> chord = sampleChord(m, wo, u);
     const bool chords = prefersChords(m, wo);

@@ -33,7 +33,8 @@ double ForeseenTime::update(const std::vector<int> &levels) const {
     double seconds = 0;
     for (std::size_t i = 0; i < levels.size(); ++i)
         if (moves(scene_.objects[i]))
-            seconds += facesOf(scene_.objects[i], levels[i]) * (1e-9 * static_cast<double>(costs.limit) + costs.bvh.refit + costs.bvh.build);
+            seconds +=
+                facesOf(scene_.objects[i], levels[i]) * (1e-9 * static_cast<double>(costs.limit) + costs.bvh.refit + costs.bvh.build);
     return seconds;
 }
 
@@ -48,7 +49,8 @@ double ForeseenTime::samples(double count) const {
 double ForeseenTime::whole(const std::vector<int> &levels, double samplesAPixel) const {
     const RenderSettings &render = scene_.render;
     const double frames = static_cast<double>(render.frames.size());
-    return build(levels) + (frames - 1) * update(levels) + frames * samples(static_cast<double>(render.width) * render.height * samplesAPixel);
+    return build(levels) + (frames - 1) * update(levels) +
+           frames * samples(static_cast<double>(render.width) * render.height * samplesAPixel);
 }
 
 } // namespace taut

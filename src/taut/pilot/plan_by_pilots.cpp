@@ -75,7 +75,8 @@ class PilotedPlan {
         const bool wanted = options_.error || options_.tolerance || planner_.choosesLevels();
         const bool measures = wanted && !options_.full && affords();
         if (measures) measureAll();
-        ScenePlan plan = options_.error && !options_.full ? cheapestWithin(*options_.error) : withEvents(planner_.decide(scales_, options_.tolerance));
+        ScenePlan plan =
+            options_.error && !options_.full ? cheapestWithin(*options_.error) : withEvents(planner_.decide(scales_, options_.tolerance));
         if (options_.error && measures) {
             verify(plan);
             if (static_cast<double>(plan.predictedError) > kGreatestBias * static_cast<double>(*options_.error)) {
@@ -133,7 +134,9 @@ class PilotedPlan {
         return true;
     }
 
-    [[nodiscard]] bool asksForEvents() const { return (options_.error || options_.tolerance) && scene_.render.maxEvents > kEventLimits.front(); }
+    [[nodiscard]] bool asksForEvents() const {
+        return (options_.error || options_.tolerance) && scene_.render.maxEvents > kEventLimits.front();
+    }
 
     [[nodiscard]] Scene copyOfScene() const {
         Scene copy = scene_;
@@ -152,8 +155,9 @@ class PilotedPlan {
         const double error = std::sqrt(std::max(0.0, square.value));
         const double upper = std::sqrt(std::max(0.0, square.value) + square.spread);
         const double samples = static_cast<double>(found.first.counts.paths + found.second.counts.paths);
-        findings_.push_back({value, static_cast<float>(predictedFor(asked_, value)), static_cast<float>(error), static_cast<float>(upper - error),
-                             static_cast<float>(noiseOfOne(found)), static_cast<float>(found.rays() / samples)});
+        findings_.push_back({value, static_cast<float>(predictedFor(asked_, value)), static_cast<float>(error),
+                             static_cast<float>(upper - error), static_cast<float>(noiseOfOne(found)),
+                             static_cast<float>(found.rays() / samples)});
         return upper;
     }
 
@@ -229,7 +233,8 @@ class PilotedPlan {
             errors.push_back(note(SubdivisionLevel{level}, picture(ready)));
         }
         float ratio = std::sqrt(kLeastRatio * kGreatestRatio);
-        if (errors.size() > 1 && errors[1] > 0) ratio = std::clamp(static_cast<float>(errors[0] / errors[1]) - 1, kLeastRatio, kGreatestRatio);
+        if (errors.size() > 1 && errors[1] > 0)
+            ratio = std::clamp(static_cast<float>(errors[0] / errors[1]) - 1, kLeastRatio, kGreatestRatio);
         const double beyond = 1 / (1 - std::pow(static_cast<double>(ratio), static_cast<double>(errors.size()) - base));
         scales_.subdivision = scaleOf(errors.back() * beyond, predictedFor(asked_, SubdivisionLevel{base - 1}));
         scales_.subdivisionRatio = ratio;
@@ -304,7 +309,8 @@ class PilotedPlan {
     [[nodiscard]] PilotPicture pictureOf(const ScenePlan &plan) const {
         const ScenePlan full = fullPlan(scene_);
         const auto isFull = [](const MeshPlan &a, const MeshPlan &b) {
-            return a.stretch == b.stretch && a.estimator == b.estimator && a.interpolation == b.interpolation && a.subdivisionLevel == b.subdivisionLevel;
+            return a.stretch == b.stretch && a.estimator == b.estimator && a.interpolation == b.interpolation &&
+                   a.subdivisionLevel == b.subdivisionLevel;
         };
         if (full_ && std::equal(plan.meshes.begin(), plan.meshes.end(), full.meshes.begin(), isFull)) {
             full_->setMaterialPlans(plan.materials, plan.details, plan.bearableWaste);
@@ -339,7 +345,8 @@ class PilotedPlan {
         budget.error = *options_.error;
         budget.bias = options_.full ? 0 : plan.predictedError;
         const double error = static_cast<double>(budget.error);
-        budget.noise = static_cast<float>(std::sqrt(std::max(sqr(kAim * error) - sqr(static_cast<double>(budget.bias)), sqr(0.25 * error))));
+        budget.noise =
+            static_cast<float>(std::sqrt(std::max(sqr(kAim * error) - sqr(static_cast<double>(budget.bias)), sqr(0.25 * error))));
         if (budget.error >= kCoarse) budget.firstSamples = 2; // it may be all that is needed
         if (!findings_.empty()) {
             budget.samples = static_cast<float>(samplesFor(samplingOf(plan), static_cast<double>(budget.noise)));

@@ -40,7 +40,9 @@ void AdaptivePasses::cut() {
 }
 
 void AdaptivePasses::cutTile(const PictureNoise &picture, const std::vector<Index> &blocks) {
-    const auto isAlike = [&](Index a, Index b) { return picture.firstOf(a) == picture.firstOf(b) && picture.lastOf(a) == picture.lastOf(b); };
+    const auto isAlike = [&](Index a, Index b) {
+        return picture.firstOf(a) == picture.firstOf(b) && picture.lastOf(a) == picture.lastOf(b);
+    };
     const bool allAlike = std::all_of(blocks.begin(), blocks.end(), [&](Index block) { return isAlike(block, blocks.front()); });
     const std::size_t before = pieces_.size();
     int area = 0;
@@ -48,7 +50,8 @@ void AdaptivePasses::cutTile(const PictureNoise &picture, const std::vector<Inde
         const Window window = picture.windowOf(block);
         area += window.width() * window.height();
         PassPiece *last = pieces_.size() > before ? &pieces_.back() : nullptr;
-        const bool joins = last != nullptr && last->window.y0 == window.y0 && last->window.x1 == window.x0 && isAlike(block, last->blocks.front());
+        const bool joins =
+            last != nullptr && last->window.y0 == window.y0 && last->window.x1 == window.x0 && isAlike(block, last->blocks.front());
         if (!joins) last = &pieces_.emplace_back(PassPiece{window, {}, picture.lastOf(block)});
         last->window.x1 = window.x1;
         last->blocks.push_back(block);

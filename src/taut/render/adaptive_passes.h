@@ -46,8 +46,7 @@ class AdaptivePasses {
     [[nodiscard]] std::size_t piecesATask() const;
     /// Makes a piece. trace(window, first, last) adds samples [first, last) of its pixels to the film and returns what they cost.
     /// From any thread, once for each piece.
-    void make(const PassPiece &piece, const Film &film, PassScratch &scratch,
-              const std::function<double(const Window &, int, int)> &trace);
+    void make(const PassPiece &piece, const Film &film, PassScratch &scratch, const std::function<double(const Window &, int, int)> &trace);
     /// When all pieces are made: windows to be rendered again with other random numbers, and as many samples. Once there are some, they are
     /// the same ones after every pass.
     std::vector<PassPiece> drawControls();

@@ -41,11 +41,11 @@ double secondsSince(Clock::time_point start) {
 
 struct FrameRender::State {
     State(const RenderScene &scene_, const FrameOptions &options_)
-        : options(options_),
-          film(affordable(scene_.scene(), windowOf(options_, scene_.scene().render)), options_.aovs, layersOf(options_.layers, scene_.scene()),
-               options_.denoiseBlock),
-          layers(layerTables(scene_, film.layers())), materials(prepareMaterials(scene_.scene(), scene_.plan())),
-          workers([&scene_, this] { return Worker{PathTracer(scene_, materials, settingsOf(scene_, options.seed)), {}, {}, {}}; }),
+        : options(options_), film(affordable(scene_.scene(), windowOf(options_, scene_.scene().render)), options_.aovs,
+                                  layersOf(options_.layers, scene_.scene()), options_.denoiseBlock),
+          layers(layerTables(scene_, film.layers())), materials(prepareMaterials(scene_.scene(), scene_.plan())), workers([&scene_, this] {
+              return Worker{PathTracer(scene_, materials, settingsOf(scene_, options.seed)), {}, {}, {}};
+          }),
           otherWorkers([&scene_, this] {
               TraceSettings settings = settingsOf(scene_, hash(options.seed, kOtherNumbers));
               settings.record = nullptr;
@@ -98,8 +98,16 @@ struct FrameRender::State {
     [[nodiscard]] TraceSettings settingsOf(const RenderScene &scene, std::uint32_t seed) const {
         const RenderSettings &render = scene.scene().render;
         const int limit = scene.plan().maxEvents;
-        return {render.width, render.height, limit > 0 ? limit : render.maxEvents, render.boxFilter, seed, options.record,
-                film.layers().hasSums() ? &layers : nullptr, options.independent, options.oneByOne, options.before};
+        return {render.width,
+                render.height,
+                limit > 0 ? limit : render.maxEvents,
+                render.boxFilter,
+                seed,
+                options.record,
+                film.layers().hasSums() ? &layers : nullptr,
+                options.independent,
+                options.oneByOne,
+                options.before};
     }
     void tell();
     [[nodiscard]] std::size_t tileAt(int x, int y) const {
@@ -166,7 +174,8 @@ std::vector<std::vector<double>> FrameRender::State::renderAgain(const std::vect
         const auto first = static_cast<int>(again[i].samplesAt(window.x0, window.y0));
         std::mutex lock;
         Worker &worker = otherWorkers.local();
-        if (isOver() || !worker.tracer.traceTile(window, first, pieces[i].last, {again[i], lock, stopAsked}, worker.times, worker.counts)) return;
+        if (isOver() || !worker.tracer.traceTile(window, first, pieces[i].last, {again[i], lock, stopAsked}, worker.times, worker.counts))
+            return;
         ColourSums::fill(again[i], window, means[i]);
         for (double &value : means[i]) value /= pieces[i].last;
     });
@@ -292,7 +301,7 @@ struct SavedHead {
     std::uint32_t seed = 0;
     std::int32_t firstSample = 0;
     std::int32_t adaptive = 0; ///< 1: to the noise of every pixel; 3: of the picture
-    std::int32_t most = 0; ///< adaptive: samples a pixel
+    std::int32_t most = 0;     ///< adaptive: samples a pixel
     double noise = 0;
 };
 

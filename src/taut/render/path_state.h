@@ -15,7 +15,12 @@ namespace taut {
 /// Dimensions of the sample sequence that every event draws.
 enum EventDimension : std::uint32_t { kScatterDirection, kScatterLobe, kLightPoint, kLightChoice, kRoulette, kPerEvent };
 /// And those that only some scenes draw, far above: the others keep theirs.
-enum RareDimension : std::uint32_t { kWalkFirst = 0x10000000, kWalkLast = 0x20000000, kSurfaces = 0x40000000, kShadowSurfaces = 0x80000000 };
+enum RareDimension : std::uint32_t {
+    kWalkFirst = 0x10000000,
+    kWalkLast = 0x20000000,
+    kSurfaces = 0x40000000,
+    kShadowSurfaces = 0x80000000
+};
 
 struct Path {
     Vec3 throughput{1};

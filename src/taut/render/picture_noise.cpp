@@ -24,8 +24,8 @@ constexpr double kWorthwhile = 0.05;
 constexpr int kPartOfTheWay = 4;
 /// The second goes to where the noise is so much above the aim: what it knows of the factor is of fewer samples.
 constexpr double kAlmost = 1.04;
-/// Controls are parts of so many pixels a side. Their number is the two thirds power of that of the pixels over kPixels, where what they cost and
-/// the reserve for what they leave unknown are least together, and at most one for kPixelsAControl.
+/// Controls are parts of so many pixels a side. Their number is the two thirds power of that of the pixels over kPixels, where what they
+/// cost and the reserve for what they leave unknown are least together, and at most one for kPixelsAControl.
 constexpr int kControlSide = 2;
 constexpr double kPixels = 16;
 constexpr double kPixelsAControl = 128;
@@ -66,7 +66,8 @@ double exponentOf(double factor) {
 }
 
 PictureNoise::PictureNoise(const Window &window, double level, int first, int most, std::uint32_t seed)
-    : grid_(window), level_(level), most_(most), seed_(seed), errors_(grid_.size()), targets_(grid_.size(), std::min(std::max(first, 2), most)) {
+    : grid_(window), level_(level), most_(most), seed_(seed), errors_(grid_.size()),
+      targets_(grid_.size(), std::min(std::max(first, 2), most)) {
     for (Index i = 0; i < grid_.size(); ++i) active_.push_back(i);
 }
 
@@ -134,7 +135,8 @@ const std::vector<Control> &PictureNoise::drawControls() {
     for (Index i = 0; i < errors_.size(); ++i) {
         sum += chance(i);
         for (; next < sum && controls_.size() < count; next += step)
-            controls_.push_back({i, partOf(i, hash(hash(seed_, i), static_cast<std::uint32_t>(controls_.size()))), chance(i) / weightOf(i)});
+            controls_.push_back(
+                {i, partOf(i, hash(hash(seed_, i), static_cast<std::uint32_t>(controls_.size()))), chance(i) / weightOf(i)});
     }
     return controls_;
 }
@@ -165,7 +167,8 @@ void PictureNoise::measure(const std::vector<double> &variances) {
     }
     double squared = 0;
     for (Index i = 0; i < errors_.size(); ++i) squared += sqr(weightOf(i) * errors_[i].variance);
-    const double ofHalves = told > 0 ? kHalvesSpread * squared / sqr(told) : 0; // relative variance of their sum: few blocks may have it all
+    const double ofHalves =
+        told > 0 ? kHalvesSpread * squared / sqr(told) : 0; // relative variance of their sum: few blocks may have it all
     const double all = squares();
     const double error = all > 0 ? std::sqrt(factor_ * told / all) : 0;
     reached_ = {error, 0.5 * error * std::sqrt(sqr(spread / factor_) + ofHalves), static_cast<int>(count), exponentOf(factor_)};
@@ -216,10 +219,11 @@ PictureNoise::Allocation PictureNoise::cheapest(const std::vector<Guide> &choosi
     std::vector<Step> steps; // of good numbers of samples
     for (int n = 1; n <= most_; n = nextSampleCount(n)) steps.push_back({n, std::pow(n, -p)});
     struct Start {
-        Step step;             ///< that a block has made
-        std::size_t next = 0;  ///< of the good numbers beyond it
-        double least = 0;      ///< cost of a sample, dithered: blocks of one kind go on one after another, in an order that depends on their place alone
-        double own = 0;        ///< v, over pixels
+        Step step;            ///< that a block has made
+        std::size_t next = 0; ///< of the good numbers beyond it
+        double least =
+            0; ///< cost of a sample, dithered: blocks of one kind go on one after another, in an order that depends on their place alone
+        double own = 0; ///< v, over pixels
     };
     std::vector<Start> starts; // [blocks]
     for (Index i = 0; i < errors_.size(); ++i) {
@@ -227,7 +231,9 @@ PictureNoise::Allocation PictureNoise::cheapest(const std::vector<Guide> &choosi
         const auto next = std::upper_bound(steps.begin(), steps.end(), samples, [](int n, const Step &step) { return n < step.samples; });
         const Guide &guide = choosing.size() == 1 ? choosing.front() : choosing[i];
         const double dither = std::exp2(0.5 * (static_cast<double>(hash(i, 7U)) * 0x1p-32 - 0.5));
-        starts.push_back({{samples, std::pow(samples, -p)}, static_cast<std::size_t>(next - steps.begin()), dither * std::max(guide.cost, 1.0),
+        starts.push_back({{samples, std::pow(samples, -p)},
+                          static_cast<std::size_t>(next - steps.begin()),
+                          dither * std::max(guide.cost, 1.0),
                           weightOf(i) * varianceOf(i)});
     }
     const auto stepOf = [&](Index i, double lambda) {
@@ -313,8 +319,8 @@ void PictureNoise::save(std::ostream &out) const {
     for (const Guide &guide : guides_) write(std::array<double, 2>{guide.variance, guide.cost});
     for (const Control &control : controls_) {
         const Window &w = control.window;
-        write(std::array<double, 6>{static_cast<double>(control.block), static_cast<double>(w.x0), static_cast<double>(w.y0), static_cast<double>(w.x1),
-                                    static_cast<double>(w.y1), control.chance});
+        write(std::array<double, 6>{static_cast<double>(control.block), static_cast<double>(w.x0), static_cast<double>(w.y0),
+                                    static_cast<double>(w.x1), static_cast<double>(w.y1), control.chance});
     }
     out.write(reinterpret_cast<const char *>(active_.data()), static_cast<std::streamsize>(active_.size() * sizeof(Index)));
 }
@@ -327,14 +333,15 @@ void PictureNoise::load(std::istream &in) {
     const auto readNumbers = [&](auto &values) {
         read(values.data(), sizeof values);
         for (const double value : values)
-            if (!std::isfinite(value) || value < 0) throw InputError("saved frame: found a block's noise that is none, expected finite numbers");
+            if (!std::isfinite(value) || value < 0)
+                throw InputError("saved frame: found a block's noise that is none, expected finite numbers");
     };
     std::array<std::int64_t, 5> numbers{};
     read(numbers.data(), sizeof numbers);
     const auto [decisions, blocks, active, guides, controls] = numbers;
     if (blocks != static_cast<std::int64_t>(errors_.size()) || active < 0 || active > blocks || decisions < 0 ||
-        decisions > static_cast<std::int64_t>(kReach.size()) || (guides != 0 && guides != blocks) || (decisions > 0 && guides == 0) || controls < 0 ||
-        controls > blocks)
+        decisions > static_cast<std::int64_t>(kReach.size()) || (guides != 0 && guides != blocks) || (decisions > 0 && guides == 0) ||
+        controls < 0 || controls > blocks)
         throw InputError("saved frame: found blocks of another frame, expected those of this one");
     std::array<double, 5> whole{};
     readNumbers(whole);
@@ -364,7 +371,8 @@ void PictureNoise::load(std::istream &in) {
         if (!within(values[1], block.x0, block.x1) || !within(values[3], block.x0, block.x1) || !within(values[2], block.y0, block.y1) ||
             !within(values[4], block.y0, block.y1) || !(values[1] < values[3]) || !(values[2] < values[4]) || !(values[5] > 0))
             throw InputError("saved frame: found a control that is none, expected a part of a block");
-        const Window part{static_cast<int>(values[1]), static_cast<int>(values[2]), static_cast<int>(values[3]), static_cast<int>(values[4])};
+        const Window part{static_cast<int>(values[1]), static_cast<int>(values[2]), static_cast<int>(values[3]),
+                          static_cast<int>(values[4])};
         controls_.push_back({static_cast<Index>(values[0]), part, values[5]});
     }
     active_.resize(static_cast<std::size_t>(active));

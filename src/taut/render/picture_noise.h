@@ -14,8 +14,8 @@
 /// As in adaptive.h no block has a say in its own number of samples. After a pass a block looks at those around it of the colours that
 /// follow its own, `kReach` of them; what those have is the doing of their followers. The steps together stay below the nine colours
 /// of the ring, so a block's number of samples does not depend on its own samples, but for lambda and the factor, two numbers of the whole
-/// picture. Decisions that reach nobody keep what was seen before, and change lambda alone. All follows from sums and counts of rays: the same
-/// seed gives the same bits for any number of threads.
+/// picture. Decisions that reach nobody keep what was seen before, and change lambda alone. All follows from sums and counts of rays: the
+/// same seed gives the same bits for any number of threads.
 
 #include "taut/render/block_grid.h"
 #include "taut/render/film.h"
@@ -32,12 +32,12 @@ namespace taut {
 /// The next number of samples that stratify each other well: 1, 2, 3, 4, 6, 8, 12, 16, ...
 int nextSampleCount(int samples);
 /// The exponent p of points whose halves, taken for independent, tell `factor` times less variance than there is: the
-/// variance of n points falls by the n-th part of D of the halves each time that n doubles, D falls with it, and the sum of all that is left
-/// to come is factor = 1 / (2^p - 1). In [1, 2].
+/// variance of n points falls by the n-th part of D of the halves each time that n doubles, D falls with it, and the sum of all that is
+/// left to come is factor = 1 / (2^p - 1). In [1, 2].
 double exponentOf(double factor);
 
-/// What samples cost, by their rays: in units of a camera ray that meets nothing. A scattered or a shadow ray takes six times as long, with the
-/// shading that it comes from.
+/// What samples cost, by their rays: in units of a camera ray that meets nothing. A scattered or a shadow ray takes six times as long, with
+/// the shading that it comes from.
 inline double costOf(std::uint64_t camera, std::uint64_t others) {
     return static_cast<double>(camera) + 6 * static_cast<double>(others);
 }

@@ -12,9 +12,7 @@ FrameResult renderFrame(const RenderScene &scene, const FrameOptions &options) {
     const auto seconds = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
     FrameOptions told = options;
     if (options.progress && options.seconds)
-        told.progress = [&](double share) {
-            return options.progress(std::min(1.0, std::max(share, seconds() / *options.seconds)));
-        };
+        told.progress = [&](double share) { return options.progress(std::min(1.0, std::max(share, seconds() / *options.seconds))); };
     FrameRender frame(scene, told);
     FrameState state = FrameState::Going;
     const bool inPasses = options.seconds.has_value();

@@ -7,7 +7,8 @@ namespace taut {
 void PathTracer::State::connectLight(int event, Index index, const SurfacePoint &point, const FacetScattering &scattering) {
     Path &path = paths[index];
     const LightChoice choice = chooseLight(scene.lights(), point.position, random1(path, dimensionOf(event, kLightChoice)));
-    const LightSample light = sampleLight(scene.lights(), choice, point.position, path.time, random2(path, dimensionOf(event, kLightPoint)));
+    const LightSample light =
+        sampleLight(scene.lights(), choice, point.position, path.time, random2(path, dimensionOf(event, kLightPoint)));
     if (!(light.pdf > 0)) return;
     const Vec3 wi = point.frame.toLocal(light.direction);
     const float side = glm::dot(light.direction, point.geometricNormal);
