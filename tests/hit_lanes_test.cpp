@@ -1,9 +1,7 @@
 /// Hits shaded at once and hits shaded one by one are the same picture, to the bit.
 
 #include "catch.h"
-#include "render_fixtures.h"
-
-#include "taut/render/hit_lanes.h"
+#include "lanes_fixtures.h"
 
 #include <tbb/global_control.h>
 
@@ -11,63 +9,6 @@
 
 using namespace taut;
 using namespace taut::test;
-
-namespace {
-
-std::vector<float> imageOf(const Scene &scene, bool oneByOne, bool animated, int spp) {
-    RenderScene ready(scene, animated);
-    StageTimes times;
-    ready.setFrame(2, times);
-    FrameOptions options;
-    options.spp = spp;
-    options.seed = 3;
-    options.oneByOne = oneByOne;
-    return renderFrame(ready, options).film.resolve();
-}
-
-/// A sheared torus over a plate that reflects it, under a quad and a sky.
-Scene scene(const Material &material) {
-    Scene scene = smallScene(shearedTorus(40, 20), material);
-    scene.materials.push_back(ggxMaterial(0.1F, 0.3F));
-    scene.objects.push_back(makeObject(makeGrid(3, 3, 4), 1));
-    scene.objects[1].placement.translation = Keyed<DVec3>(DVec3(0, 0, -0.4));
-    scene.render.maxEvents = 6;
-    return scene;
-}
-
-/// Rows of coloured squares; what a scene's textures are in the tests below.
-Texture chequered(float from, float to) {
-    constexpr int kSize = 8;
-    std::vector<float> texels;
-    for (int i = 0; i < kSize * kSize; ++i) {
-        const float t = static_cast<float>((i * 7 + i / kSize * 3) % 11) / 10;
-        texels.insert(texels.end(), {glm::mix(from, to, t), glm::mix(from, to, 1 - t), glm::mix(from, to, t * t)});
-    }
-    Texture texture;
-    texture.name = "chequered";
-    texture.width = texture.height = kSize;
-    texture.texels = std::move(texels);
-    return texture;
-}
-
-/// The scene with two textures: shares, and turns.
-Scene textured(const Material &material) {
-    Scene s = scene(material);
-    s.textures = {chequered(0.02F, 0.98F), chequered(-2, 2)};
-    return s;
-}
-
-Material plain(BsdfType type, float alphaX, float alphaY, float rotation) {
-    Material m = ggxMaterial(alphaX, alphaY, rotation);
-    m.type = type;
-    m.color.value = Vec3(0.9F, 0.7F, 0.4F);
-    m.conductorEta = Vec3(0.2F, 0.9F, 1.1F);
-    m.conductorK = Vec3(3.9F, 2.5F, 2.2F);
-    m.multiscatter = Multiscatter::Off;
-    return m;
-}
-
-} // namespace
 
 TEST_CASE("Shading at once gives the picture of shading one by one", "[render][lanes]") {
     struct Case {
@@ -89,7 +30,7 @@ TEST_CASE("Shading at once gives the picture of shading one by one", "[render][l
     for (const Case &c : cases)
         for (const bool animated : {false, true}) {
             INFO(c.name << (animated ? ", animated" : ""));
-            const Scene s = scene(c.material);
+            const Scene s = laneScene(c.material);
             const std::vector<float> atOnce = imageOf(s, false, animated, 16);
             CHECK(atOnce == imageOf(s, true, animated, 16));
             CHECK(*std::max_element(atOnce.begin(), atOnce.end()) > 0.5F);
@@ -181,7 +122,7 @@ TEST_CASE("Textures, compensation and glTF's material at once give the picture o
 
 TEST_CASE("Singular values out of range are clamped at once as one by one", "[render][lanes]") {
     // Squeezed to a thousandth of a millionth: the distribution along y is wider than any range.
-    Scene s = scene(plain(BsdfType::Conductor, 0.3F, 0.5F, 0.7F));
+    Scene s = laneScene(plain(BsdfType::Conductor, 0.3F, 0.5F, 0.7F));
     DeformerKeys squeeze;
     squeeze.type = DeformerType::Stretch;
     squeeze.factor = Keyed<DVec3>(DVec3(1, 1e-9, 1));
@@ -190,17 +131,24 @@ TEST_CASE("Singular values out of range are clamped at once as one by one", "[re
 }
 
 TEST_CASE("Every set of instructions gives the same lanes", "[render][lanes][batch]") {
-    const auto [type, multiscatter] = GENERATE(table<BsdfType, Multiscatter>({{BsdfType::Metal, Multiscatter::Off},
-                                                                              {BsdfType::Dielectric, Multiscatter::Off},
-                                                                              {BsdfType::Conductor, Multiscatter::Compensation},
-                                                                              {BsdfType::Coated, Multiscatter::Off},
-                                                                              {BsdfType::Diffuse, Multiscatter::Off},
-                                                                              {BsdfType::MetallicRoughness, Multiscatter::Off},
-                                                                              {BsdfType::MetallicRoughness, Multiscatter::Compensation}}));
+    const auto [type, multiscatter, mapped] =
+        GENERATE(table<BsdfType, Multiscatter, bool>({{BsdfType::Metal, Multiscatter::Off, false},
+                                                      {BsdfType::Dielectric, Multiscatter::Off, false},
+                                                      {BsdfType::Conductor, Multiscatter::Compensation, false},
+                                                      {BsdfType::Coated, Multiscatter::Off, false},
+                                                      {BsdfType::Diffuse, Multiscatter::Off, false},
+                                                      {BsdfType::MetallicRoughness, Multiscatter::Off, false},
+                                                      {BsdfType::MetallicRoughness, Multiscatter::Compensation, false},
+                                                      {BsdfType::Metal, Multiscatter::Off, true},
+                                                      {BsdfType::Dielectric, Multiscatter::Off, true},
+                                                      {BsdfType::Diffuse, Multiscatter::Off, true},
+                                                      {BsdfType::MetallicRoughness, Multiscatter::Compensation, true}}));
     Material rough = plain(type, 0.2F, 0.6F, 0.4F);
     rough.multiscatter = multiscatter;
     rough.metallic.value = 0.3F;
-    const Scene s = scene(rough);
+    if (mapped) rough.slopes.texture = 0;
+    if (mapped) rough.clearcoat.value = 0.5F;
+    const Scene s = textured(rough);
     const std::vector<PreparedMaterial> prepared = prepareMaterials(s, defaultPlan(s));
     const LaneMaterial material = laneMaterial(prepared[0]);
     REQUIRE(material.inLanes);
@@ -232,6 +180,17 @@ TEST_CASE("Every set of instructions gives the same lanes", "[render][lanes][bat
             lanes->lightWeighted[i] = i % 3 == 0 ? 0.0F : 1.0F;
         }
         lanes::setValues(*lanes, material);
+        lanes->leans = mapped;
+        if (material.layered) lanes->coat = std::make_unique<HitLanes>();
+        for (std::size_t i = 0; mapped && i < static_cast<std::size_t>(lanes->padded()); ++i) {
+            const auto x = static_cast<float>(i) / 48;
+            lanes::setSlopes(*lanes, i, {Vec2(x - 0.4F, 0.3F), i % 3 == 0 ? Vec3(0.02F, 0.01F, 0.03F) : Vec3(0)});
+            if (!material.layered) continue;
+            lanes->specular[i] = x;
+            lanes->specularColor.set(i, {1, x, 0.5F});
+            lanes->clearcoat[i] = 0.5F;
+            lanes::setValues(*lanes->coat, i, Vec3(0), 0, {0.1F, 0.1F, 0});
+        }
         lanes::view(*lanes, material, {1, 2, 3, 4, 5}, set);
         lanes::connect(*lanes, material, set);
         lanes::scatter(*lanes, material, set);
@@ -246,6 +205,8 @@ TEST_CASE("Every set of instructions gives the same lanes", "[render][lanes][bat
             INFO("lane " << i);
             CHECK(got->woLocal.at(i) == expected->woLocal.at(i));
             CHECK(got->pdfScale[i] == expected->pdfScale[i]);
+            if (mapped) CHECK(got->tilted[i] == expected->tilted[i]);
+            if (mapped) CHECK(got->n.at(i) == expected->n.at(i));
             CHECK((got->connects[i] > 0) == (expected->connects[i] > 0));
             CHECK((got->goesOn[i] > 0) == (expected->goesOn[i] > 0));
             if (expected->connects[i] > 0) CHECK(got->contribution.at(i) == expected->contribution.at(i));

@@ -227,11 +227,10 @@ TEST_CASE("What a facet sends below its mesh is mirrored: sampler and density ag
         bsdf.type = BsdfType::Conductor;
         bsdf.micro = mapped->micro;
         // A geometric normal a little off the shading normal.
-        const TiltedFacet facet{mapped->frame, glm::normalize(Vec3(0.05F, -0.03F, 1))};
-        const Frame plane = smoothFrameFromNormal(facet.plane);
+        const Frame plane = smoothFrameFromNormal(glm::normalize(Vec3(0.05F, -0.03F, 1)));
         for (const double theta : {20.0, 60.0, 85.0}) {
             INFO(c.name << " from " << theta << " degrees");
-            const FacetScattering point(bsdf, &facet, direction(theta, 200));
+            const FacetScattering point(bsdf, mapped->frame, &plane.n, direction(theta, 200));
             const auto draw = [&]() -> std::optional<Vec3> {
                 const auto s = point.sample(uniform.pair(), uniform.number());
                 return s ? std::optional<Vec3>(plane.toLocal(s->wi)) : std::nullopt;
@@ -240,7 +239,7 @@ TEST_CASE("What a facet sends below its mesh is mirrored: sampler and density ag
             CHECK(chiSquaredOf(draw, pdf, 0, 1) > level);
             // The light that is reflected is that of the facet alone.
             const Vec3 wo = direction(theta, 200);
-            const Vec3 seen = facet.frame.toLocal(wo);
+            const Vec3 seen = mapped->frame.toLocal(wo);
             const ScatteringPoint alone(bsdf, {seen.x, seen.y, std::fabs(seen.z)});
             const auto albedo = [](const auto &f) { return integrate(f, 0, 1, 0, 2 * kPiD, 200); };
             const double reflected = albedo([&](const Vec3 &wi) { return point.evaluate(plane.fromLocal(wi)).fCos.x; });

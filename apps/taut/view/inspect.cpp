@@ -78,13 +78,11 @@ Json gloss(const RenderScene &scene, const SurfacePoint &point, const Eye &eye, 
     const std::vector<float> m = valuesOf(scene, point, "m");
     const std::vector<float> lean = valuesOf(scene, point, "lean");
     const std::vector<float> alpha = valuesOf(scene, point, "alpha");
-    const Frame facet = point.tilted ? Frame(point.frame.fromLocal(point.facet.frame.s), point.frame.fromLocal(point.facet.frame.t),
-                                             point.frame.fromLocal(point.facet.frame.n))
-                                     : point.frame;
+    const Frame &facet = point.facet;
     // The rotated tangent in the facet's plane, as the output variables have it.
     Vec2 t = point.tangent;
     if (point.tilted) {
-        const Vec2 seen(point.facet.frame.toLocal(Vec3(t, 0)));
+        const Vec2 seen(facet.toLocal(point.frame.fromLocal(Vec3(t, 0))));
         if (glm::length(seen) > 0) t = seen / glm::length(seen);
     }
     const Vec3 x = facet.s * t.x + facet.t * t.y;

@@ -21,6 +21,9 @@ struct Frame {
 
     [[nodiscard]] Vec3 toLocal(const Vec3 &w) const { return {glm::dot(w, s), glm::dot(w, t), glm::dot(w, n)}; }
     [[nodiscard]] Vec3 fromLocal(const Vec3 &l) const { return s * l.x + t * l.y + n * l.z; }
+    [[nodiscard]] Frame toLocal(const Frame &f) const { return {toLocal(f.s), toLocal(f.t), toLocal(f.n)}; }
+    /// A frame that is given in this one.
+    [[nodiscard]] Frame fromLocal(const Frame &f) const { return {fromLocal(f.s), fromLocal(f.t), fromLocal(f.n)}; }
 };
 
 /// Frame of a unit normal that is a smooth function of the normal away from n = -z, where the field has its one

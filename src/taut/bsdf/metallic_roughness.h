@@ -8,12 +8,13 @@
 ///     transmission   takes the place of a share of the diffuse part: straight through, spread as reflections are, or by refraction
 ///     iridescence    F of a thin film in the place of Schlick's (thin_film.h)
 ///     sheen          fibres on top, and what is below scaled by what their albedo leaves (sheen.h)
-///     clearcoat      a dielectric of index 1.5 above everything, with its own microsurface; F by the cosine at the normal
+///     clearcoat      a dielectric of index 1.5 above everything, with its own microsurface (clear_coat.h)
 ///
 /// Both terms of B.3 may add up to more than the light that comes: white at a grazing view by nearly 2. There, and only there, the
 /// diffuse part is held to what reflections leave (LobeShares::kept).
 
 #include "taut/base/warp.h"
+#include "taut/bsdf/clear_coat.h"
 #include "taut/bsdf/reflector.h"
 #include "taut/bsdf/sheen.h"
 #include "taut/bsdf/thin_film.h"
@@ -102,11 +103,10 @@ struct MetallicRoughnessBsdf {
         color(bsdf, multiple);
         LayerView &layers = view.layers;
         LobeShares &shares = view.lobe.shares;
-        float coat = 0;
-        float sheen = 0;
+        float coat = 0, sheen = 0;
         if (bsdf.coat > 0) {
             const Vec3 wo = inCoat(bsdf, view.wo);
-            coat = layers.coatShare = bsdf.coat * (kCoatF0 + (1 - kCoatF0) * fresnel::schlickShare(std::fabs(wo.z)));
+            coat = layers.coatShare = clear_coat::reflectance(bsdf.coat, wo);
             const float length = ggx::stretchedLength(bsdf.coatMicro, wo);
             const float area = ggx::visibleArea(bsdf.coatMicro, wo, length);
             layers.coatReflections.emplace(bsdf.coatMicro, wo, bsdf.bearableWaste);
@@ -142,7 +142,7 @@ struct MetallicRoughnessBsdf {
         return {};
     }
 
-    // --- many at once, without layers on top and without what passes ---
+    // --- many at once, without fibres on top and without what passes ---
     [[gnu::always_inline]] static BsdfEval above(const Bsdf &bsdf, const MicroTransform &m, const LobeView &view, const Vec3 &wo,
                                                  const Vec3 &wi) {
         return withFacets(diffusePart(bsdf, view.shares, wo, wi), bsdf, m, view, wo, wi);
@@ -155,6 +155,13 @@ struct MetallicRoughnessBsdf {
         const bool isFacets = lobe < share;
         return {Vec3(isFacets ? facets.wi.x : diffuse.x, isFacets ? facets.wi.y : diffuse.y, isFacets ? facets.wi.z : diffuse.z), 1,
                 isFacets ? facets.coin : -1.0F};
+    }
+
+    /// And with a coat, which sees wi in its own frame.
+    [[gnu::always_inline]] static BsdfEval aboveCoated(const Bsdf &bsdf, const MicroTransform &m, const LobeView &view,
+                                                       const clear_coat::Seen &coat, const Vec3 &wo, const Vec3 &wi, const Vec3 &wiInCoat) {
+        const BsdfEval e = clear_coat::aboveWhere(diffusePart(bsdf, view.shares, wo, wi), coat, view.shares.coat, wiInCoat);
+        return withFacets(e, bsdf, m, view, wo, wi);
     }
 
     /// The compensation's colour is that of each part alone, mixed.
@@ -280,7 +287,6 @@ struct MetallicRoughnessBsdf {
     }
 
   private:
-    static constexpr float kCoatF0 = 0.04F;     ///< of index 1.5
     static constexpr float kLeastLight = 0.02F; ///< of a lobe that is there, for the choice of samples
     /// How far the reflected light may be above E times that mean, at grazing, by the lattice and the table of E: found by quadrature for
     /// alpha 0.02 to 2.
@@ -330,13 +336,9 @@ struct MetallicRoughnessBsdf {
             const float cosH = h.z * (1 / std::sqrt(glm::dot(h, h)));
             e.fCos += bsdf.sheenColor * (layers.sheenScale * sheen::lobe(view.wo.z, wi.z, cosH, bsdf.sheenAlpha));
         }
-        if (const Vec3 up = inCoat(bsdf, wi); shares.coat > 0 && up.z > 0) {
-            const BsdfEval coat = reflectionLobe(bsdf.coatMicro, layers.coatLobe, inCoat(bsdf, view.wo), up,
-                                                 [&](float /*cosine*/) { return Vec3(layers.coatShare); });
-            e.fCos += coat.fCos;
-            e.pdf += shares.coat * coat.pdf;
-        }
-        return e;
+        const Vec3 up = inCoat(bsdf, wi);
+        if (!(shares.coat > 0 && up.z > 0)) return e;
+        return clear_coat::above(e, {bsdf.coatMicro, layers.coatLobe, layers.coatShare, inCoat(bsdf, view.wo)}, shares.coat, up);
     }
 
     /// A direction in the coat's own frame.

@@ -1,5 +1,5 @@
 #pragma once
-/// Scattering at a facet of the mesostructure, which leans from the mesh: seen from the mesh's shading frame.
+/// Scattering at a facet of the mesostructure, which leans from the mesh.
 ///
 /// The facet's BSDF works in the facet's own frame. Between the two horizons it may send light to a side of the mesh on which it is not:
 /// reflected light below, where it meets the neighbouring relief. It goes on mirrored at the mesh's plane, so that nothing is lost and
@@ -10,23 +10,37 @@
 
 namespace taut {
 
-/// A facet in the mesh's shading frame.
-struct TiltedFacet {
-    Frame frame;         ///< of the facet
-    Vec3 plane{0, 0, 1}; ///< the mesh's geometric normal, on the viewer's side
-};
+/// A facet's formulas, for hits one by one and many at once: `height` of a direction over the mesh's plane, whose unit normal is `plane`.
+namespace tilted {
+
+/// A facet that turns from the viewer is seen as by his mirror image, above it; in the facet's frame.
+[[gnu::always_inline]] inline Vec3 seen(const Vec3 &woLocal) {
+    return {woLocal.x, woLocal.y, std::fabs(woLocal.z)};
+}
+[[gnu::always_inline]] inline Vec3 mirrored(const Vec3 &w, float height, const Vec3 &plane) {
+    return w - 2 * height * plane;
+}
+/// Whether light that leaves the facet at that z of its own frame is on this side of the mesh.
+[[gnu::always_inline]] inline bool agree(float z, float height) {
+    return (z > 0) == (height > 0);
+}
+
+} // namespace tilted
 
 class FacetScattering {
   public:
-    /// `facet`: null where it is the mesh. `wo` in the shading frame.
-    FacetScattering(const Bsdf &bsdf, const TiltedFacet *facet, const Vec3 &wo)
-        : facet_(facet), point_(bsdf, facet != nullptr ? seenBy(facet->frame, wo) : wo) {}
+    /// `frame`: the facet's. `plane`: null where that is the mesh, else the mesh's geometric normal on the viewer's side, unit. All
+    /// directions are in the space that these are in.
+    FacetScattering(const Bsdf &bsdf, const Frame &frame, const Vec3 *plane, const Vec3 &wo)
+        : frame_(frame), plane_(plane), point_(bsdf, plane != nullptr ? tilted::seen(frame.toLocal(wo)) : frame.toLocal(wo)) {}
 
-    /// Whether light may leave along `wi` (shading frame), which lies to that side of the mesh: where shading and geometric normal disagree
-    /// about it, it would leak. A facet answers for itself.
-    [[nodiscard]] bool mayLeave(const Vec3 &wi, bool viewersSide) const { return facet_ != nullptr || viewersSide == (wi.z > 0); }
+    /// Whether light may leave along `wi`, which lies to that side of the mesh: where shading and geometric normal disagree about it, it
+    /// would leak. A facet answers for itself.
+    [[nodiscard]] bool mayLeave(const Vec3 &wi, bool viewersSide) const {
+        return plane_ != nullptr || viewersSide == (glm::dot(wi, frame_.n) > 0);
+    }
 
-    /// use(BsdfEval) for all that is scattered towards wi, shading frame, in parts that are weighed one by one.
+    /// use(BsdfEval) for all that is scattered towards wi, in parts that are weighed one by one.
     template <class Use> void forEachPart(const Vec3 &wi, const walk::Numbers &numbers, const Use &use) const {
         forEachSource(wi, [&](const Vec3 &local) {
             const auto [single, multiple] = point_.evaluateParts(local, numbers);
@@ -46,33 +60,30 @@ class FacetScattering {
         return sum;
     }
 
-    /// As ScatteringPoint::sample(), in the shading frame; the density is that of its own part.
+    /// As ScatteringPoint::sample(), of its own part the density; not quite of unit length.
     [[nodiscard]] std::optional<BsdfSample> sample(const Vec2 &u, float lobe, std::uint32_t seed = 0) const {
         std::optional<BsdfSample> s = point_.sample(u, lobe, seed);
-        if (facet_ == nullptr || !s) return s;
-        s->wi = facet_->frame.fromLocal(s->wi);
-        const float height = glm::dot(s->wi, facet_->plane);
-        if ((height > 0) == s->transmitted) s->wi -= 2 * height * facet_->plane;
+        if (!s) return s;
+        s->wi = frame_.fromLocal(s->wi);
+        if (plane_ == nullptr) return s;
+        const float height = glm::dot(s->wi, *plane_);
+        if (!tilted::agree(s->transmitted ? -1.0F : 1.0F, height)) s->wi = tilted::mirrored(s->wi, height, *plane_);
         return s;
     }
 
   private:
-    /// A facet that turns from the viewer is seen as by his mirror image, above it.
-    static Vec3 seenBy(const Frame &facet, const Vec3 &wo) {
-        const Vec3 local = facet.toLocal(wo);
-        return {local.x, local.y, std::fabs(local.z)};
-    }
     /// use(direction in the facet's frame) for those that leave the mesh along `wi`.
     template <class Use> void forEachSource(const Vec3 &wi, const Use &use) const {
-        if (facet_ == nullptr) return void(use(wi));
-        const float height = glm::dot(wi, facet_->plane);
-        for (const Vec3 &w : {wi, wi - 2 * height * facet_->plane}) {
-            const Vec3 local = facet_->frame.toLocal(w);
-            if ((local.z > 0) == (height > 0)) use(local);
+        if (plane_ == nullptr) return void(use(frame_.toLocal(wi)));
+        const float height = glm::dot(wi, *plane_);
+        for (const Vec3 &w : {wi, tilted::mirrored(wi, height, *plane_)}) {
+            const Vec3 local = frame_.toLocal(w);
+            if (tilted::agree(local.z, height)) use(local);
         }
     }
 
-    const TiltedFacet *facet_;
+    const Frame &frame_;
+    const Vec3 *plane_;
     ScatteringPoint point_;
 };
 

@@ -12,6 +12,7 @@
 #include "taut/base/frame.h"
 #include "taut/microsurface/ggx.h"
 
+#include <limits>
 #include <optional>
 
 namespace taut {
@@ -30,24 +31,47 @@ struct GeneralTransform {
     MicroTransform micro; ///< in that frame
 };
 
-/// Nothing where M is not invertible (or not finite): the macro-surface has no normal, or no thickness to be scaled by.
-inline std::optional<GeneralTransform> generalTransform(const DMat3 &m) {
+/// The parts of a general M, without a branch: loops over many hits are vectorised.
+struct GeneralForm {
+    Vec3 s, t, n;             ///< GeneralTransform::frame
+    BasicBlock<double> block; ///< of M in that frame, not yet brought to canonical form
+    double p, q;              ///< lean
+    bool hasInverse;          ///< else the rest means nothing
+};
+inline GeneralForm generalForm(const DMat3 &m) {
     // n' / r = M^-T z = (column 0 x column 1) / det M.
     const DVec3 area = glm::cross(m[0], m[1]);
-    const double size = glm::length(area);
+    const double size = std::sqrt(glm::dot(area, area));
     const double det = glm::dot(area, m[2]);
     const double r = std::fabs(det) / size;
-    const auto isFinite = [](const DVec3 &v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); };
-    if (!(r > 0) || !std::isfinite(1 / r) || !isFinite(m[0]) || !isFinite(m[1]) || !isFinite(m[2])) return std::nullopt;
+    constexpr double kGreatest = std::numeric_limits<double>::max();
+    const auto isFinite = [](const DVec3 &v) {
+        return (std::fabs(v.x) <= kGreatest) & (std::fabs(v.y) <= kGreatest) & (std::fabs(v.z) <= kGreatest);
+    };
+    const bool hasInverse = (r > 0) & (1 / r <= kGreatest) & isFinite(m[0]) & isFinite(m[1]) & isFinite(m[2]);
+    const double upwards = (det < 0 ? -1 : 1) / size;
+    const Vec3 n(static_cast<float>(area.x * upwards), static_cast<float>(area.y * upwards), static_cast<float>(area.z * upwards));
+    const Vec3 s = smoothTangentFromNormal(n);
+    const Vec3 t = glm::cross(n, s);
+    const DVec3 x = DVec3(s) / r;
+    const DVec3 y = DVec3(t) / r;
+    GeneralForm form;
+    form.s = {s.x, s.y, s.z};
+    form.t = {t.x, t.y, t.z};
+    form.n = {n.x, n.y, n.z};
+    form.block = {glm::dot(x, m[0]), glm::dot(x, m[1]), glm::dot(y, m[0]), glm::dot(y, m[1])};
+    form.p = glm::dot(x, m[2]);
+    form.q = glm::dot(y, m[2]);
+    form.hasInverse = hasInverse;
+    return form;
+}
 
-    GeneralTransform general;
-    general.frame = smoothFrameFromNormal(Vec3(area * ((det < 0 ? -1 : 1) / size)));
-    const DVec3 s = DVec3(general.frame.s) / r;
-    const DVec3 t = DVec3(general.frame.t) / r;
-    const double p = glm::dot(s, m[2]);
-    const double q = glm::dot(t, m[2]);
-    general.micro = microTransform(glm::dot(s, m[0]), glm::dot(s, m[1]), glm::dot(t, m[0]), glm::dot(t, m[1]), p, q);
-    return general;
+/// Nothing where M is not invertible (or not finite): the macro-surface has no normal, or no thickness to be scaled by.
+inline std::optional<GeneralTransform> generalTransform(const DMat3 &m) {
+    const GeneralForm form = generalForm(m);
+    if (!form.hasInverse) return std::nullopt;
+    return GeneralTransform{{form.s, form.t, form.n},
+                            microTransform(form.block.a, form.block.b, form.block.c, form.block.d, form.p, form.q)};
 }
 
 } // namespace taut

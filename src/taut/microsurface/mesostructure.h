@@ -27,6 +27,8 @@ inline constexpr float kSteepestSlope = 10;
 struct SlopeStatistics {
     Vec2 mean{0};
     Vec3 covariance{0};
+    /// Whether they change anything.
+    [[nodiscard]] bool tilt() const { return mean != Vec2(0) || covariance != Vec3(0); }
 };
 
 /// F = [A l; 0 lambda] by columns, from the block of A.
@@ -34,11 +36,23 @@ inline DMat3 surfaceDeformation(const BasicBlock<double> &a, const DVec2 &lean =
     return {a.a, a.c, 0, a.b, a.d, 0, lean.x, lean.y, lambda};
 }
 
+/// F in orthonormal frames where A = V R and F is divided by the stretch along the normal: V as ss, st, tt in the frame that F leads to,
+/// `tangent` R t0 there, `sense` the side of it on which R b0 lies, the lean divided already.
+inline DMat3 surfaceDeformation(const DVec3 &stretch, const DVec2 &tangent, double sense, double inverseLambda,
+                                const DVec2 &lean = DVec2(0)) {
+    const DVec2 t = tangent * inverseLambda;
+    const DVec2 b = DVec2(-t.y, t.x) * sense;
+    return surfaceDeformation({stretch.x * t.x + stretch.y * t.y, stretch.x * b.x + stretch.y * b.y, stretch.y * t.x + stretch.z * t.y,
+                               stretch.y * b.x + stretch.z * b.y},
+                              lean);
+}
+
 /// R(s).
 inline DMat3 facetRotation(const DVec2 &slope) {
     const DVec3 n = DVec3(slope, 1) / std::sqrt(glm::dot(slope, slope) + 1);
     const DVec3 x = glm::normalize(DVec3(1 + slope.y * slope.y, -slope.x * slope.y, -slope.x)); // x - n (n.x), over n.z^2
-    return {x, glm::cross(n, x), n};
+    const DVec3 y = glm::cross(n, x);
+    return {x.x, x.y, x.z, y.x, y.y, y.z, n.x, n.y, n.z};
 }
 
 /// s' of a facet whose normal stays on the mesh's side; the slope of M^-T z.
@@ -67,6 +81,9 @@ inline BasicBlock<double> broadenedBlock(const BasicBlock<double> &rest, const S
 inline DMat3 mappedMatrix(const DMat3 &deformation, const DVec2 &slope, const BasicBlock<double> &rest) {
     return deformation * facetRotation(slope) * DMat3(rest.a, rest.c, 0, rest.b, rest.d, 0, 0, 0, 1);
 }
+
+/// Normals of a facet that face away from its mesh, or nearly, are not followed: no map means an overhang.
+inline constexpr float kLeastFacing = 1e-3F;
 
 /// The facet under the deformation: its normal n' and M, in the space that F leads to. Nothing where F has no inverse.
 inline std::optional<GeneralTransform> mappedTransform(const DMat3 &deformation, const SlopeStatistics &slopes,

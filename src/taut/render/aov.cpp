@@ -39,7 +39,7 @@ MicroTransform inTangentFrame(const SurfacePoint &point) {
     const MicroTransform &m = point.bsdf.micro;
     Vec2 t = point.tangent;
     if (point.tilted) {
-        const Vec2 seen(point.facet.frame.toLocal(Vec3(t, 0)));
+        const Vec2 seen(point.facet.toLocal(point.frame.fromLocal(Vec3(t, 0))));
         const float length = glm::length(seen);
         if (length > 0) t = seen / length;
     }
@@ -58,9 +58,7 @@ const std::vector<AovInfo> kTable{
      [](const RenderScene &s, const SurfacePoint &p, float *out) { put(out, worldVector(s, p.frame.n)); }},
     {"facet_normal", // n' of a mapped facet, on the viewer's side
      {"Nf.X", "Nf.Y", "Nf.Z"},
-     [](const RenderScene &s, const SurfacePoint &p, float *out) {
-         put(out, worldVector(s, p.tilted ? p.frame.fromLocal(p.facet.frame.n) : p.frame.n));
-     }},
+     [](const RenderScene &s, const SurfacePoint &p, float *out) { put(out, worldVector(s, p.facet.n)); }},
     {"position",
      {"P.X", "P.Y", "P.Z"},
      [](const RenderScene &s, const SurfacePoint &p, float *out) { put(out, worldPoint(s, p.position)); }},

@@ -66,9 +66,7 @@ void putGloss(float *out, const SurfacePoint &point, const Mat3 &worldFromRender
     const EquivalentAlpha alpha = equivalentAlpha(point.bsdf.micro);
     const float c = std::cos(alpha.phi);
     const float s = std::sin(alpha.phi);
-    const auto place = [&](const Vec3 &local) {
-        return worldFromRender * point.frame.fromLocal(point.tilted ? point.facet.frame.fromLocal(local) : local);
-    };
+    const auto place = [&](const Vec3 &local) { return worldFromRender * point.facet.fromLocal(local); };
     const Vec3 t1 = place(Vec3(c, s, 0));
     const Vec3 t2 = place(Vec3(-s, c, 0));
     const auto weight = [](float a) {
@@ -119,7 +117,7 @@ bool FrameBefore::motionOf(const RenderScene &scene, const SurfacePoint &point, 
 bool writeDenoiseFeatures(const RenderScene &scene, const SurfacePoint &point, const Vec3 &wo, float time, const FrameBefore *before,
                           float *out) {
     const Mat3 worldFromRender(DMat3(scene.worldFromRender()));
-    const Vec3 n = worldFromRender * (point.tilted ? point.frame.fromLocal(point.facet.frame.n) : point.frame.n);
+    const Vec3 n = worldFromRender * point.facet.n;
     put(out + kNormal, n);
     put(out + kAlbedo, glm::clamp(point.baseColor, Vec3(0), Vec3(kMostAlbedo)));
     out[kDepth] = logOf(-point.position.z);

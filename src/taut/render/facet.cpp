@@ -8,9 +8,6 @@ namespace taut {
 
 namespace {
 
-/// Normals of a facet that face away from its mesh, or nearly, are not followed: no map means an overhang.
-constexpr float kLeastFacing = 1e-3F;
-
 Vec2 held(const Vec2 &slope) {
     const float length = glm::length(slope);
     if (!(length < kInfinity)) return Vec2(0);
@@ -18,23 +15,23 @@ Vec2 held(const Vec2 &slope) {
 }
 
 /// A triangle's metric at rest.
-UvMetric uvMetric(const SurfacePoint &point, const TextureSampler &sampler) {
-    const Surface &surface = point.object->surface;
-    const std::vector<Vec3> &points = point.object->mesh().positions;
+UvMetric uvMetric(const SlopePlace &place, const TextureSampler &sampler) {
+    const Surface &surface = place.object.surface;
+    const std::vector<Vec3> &points = place.object.mesh().positions;
     const std::vector<Vec2> &uvs = sampler.uvSet == 1 ? surface.uvs1 : surface.uvs;
     if (uvs.empty()) return {};
     const auto rest = [&](Index vertex) { return surface.restFromObject * points[surface.surfacePosition[surface.vertexSurface[vertex]]]; };
-    const auto place = [&](Index vertex) {
+    const auto moved = [&](Index vertex) {
         const Vec2 uv = uvs[vertex];
         if (!sampler.moved) return uv;
         const Vec3 down(uv.x, 1 - uv.y, 1);
         return Vec2(glm::dot(sampler.moveU, down), 1 - glm::dot(sampler.moveV, down));
     };
-    const Index3 &t = point.corners;
+    const Index3 &t = place.corners;
     const DVec3 e1(rest(t.y) - rest(t.x));
     const DVec3 e2(rest(t.z) - rest(t.x));
-    const DVec2 d1(place(t.y) - place(t.x));
-    const DVec2 d2(place(t.z) - place(t.x));
+    const DVec2 d1(moved(t.y) - moved(t.x));
+    const DVec2 d2(moved(t.z) - moved(t.x));
     const double det = d1.x * d2.y - d1.y * d2.x;
     if (det == 0) return {};
     const DVec3 du = (e1 * d2.y - e2 * d1.y) / det;
@@ -68,18 +65,24 @@ struct SlopeScale {
         return {entry(0, 0), entry(0, 1), entry(1, 1)};
     }
 };
-SlopeScale scaleOf(const SlopeMap &map, const SurfacePoint &point, const TextureSampler &sampler) {
+SlopeScale scaleOf(const SlopeMap &map, const SlopePlace &place, const TextureSampler &sampler) {
     if (map.kind != SlopeMap::Kind::Height) return {{map.scale, 0}, {0, map.scale}};
-    const UvMetric g = uvMetric(point, sampler);
+    const UvMetric g = uvMetric(place, sampler);
     if (!(g.ux > 0 && g.vy > 0)) return {Vec2(0), Vec2(0)};
     return {Vec2(1, -g.vx / g.vy) * (map.scale / g.ux), {0, map.scale / g.vy}};
 }
 
 /// From the rest frame to the shading frame where nothing is stretched.
 DMat3 turnOf(const SurfacePoint &point, float sense) {
-    const DVec2 t(point.tangent);
-    const DVec2 b = DVec2(-t.y, t.x) * static_cast<double>(sense);
-    return surfaceDeformation({t.x, b.x, t.y, b.y});
+    return surfaceDeformation(DVec3(1, 0, 1), DVec2(point.tangent), static_cast<double>(sense), 1);
+}
+
+/// The mesh's deformation there, from the rest frame (t0, b0, n) to the point's shading frame, over lambda.
+DMat3 deformationOf(const Material &material, const SurfacePoint &point, float sense) {
+    const bool leans = point.object->object->lean;
+    const float lambda = material.poisson == 0 || leans ? 1.0F : lambdaOf(point.stretch, material.poisson);
+    return surfaceDeformation(DVec3(point.stretch), DVec2(point.tangent), static_cast<double>(sense), 1 / static_cast<double>(lambda),
+                              leans ? DVec2(point.lean) : DVec2(0));
 }
 
 } // namespace
@@ -87,9 +90,9 @@ DMat3 turnOf(const SurfacePoint &point, float sense) {
 SlopeStatistics slopesAt(const SlopeMap &map, const SlopePlace &place) {
     if (!map.isGiven()) return {};
     const Texture &texture = place.scene.textures[map.texture];
-    const UvPoint &uv = place.point.uv;
+    const UvPoint &uv = place.uv;
     const int set = texture.sampler.uvSet;
-    const SlopeScale scale = scaleOf(map, place.point, texture.sampler);
+    const SlopeScale scale = scaleOf(map, place, texture.sampler);
     const UvFootprint &footprint = uv.footprintOf(set);
     SlopeStatistics slopes;
     if (texture.slopes && footprint.isGiven() && texture.slopes->levelOf(texture.sampler, footprint) > 0) {
@@ -102,31 +105,19 @@ SlopeStatistics slopesAt(const SlopeMap &map, const SlopePlace &place) {
         const Vec3 texel(lookup(texture, uv.set(set)));
         slopes.mean = scale.times(map.kind == SlopeMap::Kind::Normal ? slopeOfNormal(texel) : Vec2(texel));
     }
-    slopes.mean = held(inPointFrame(slopes.mean, place.at)) * place.point.facing;
+    slopes.mean = held(inPointFrame(slopes.mean, place.at));
     return slopes;
-}
-
-DMat3 deformationOf(const Material &material, const SurfacePoint &point, float sense) {
-    const DVec3 v(point.stretch);
-    const bool leans = point.object != nullptr && point.object->object->lean;
-    const double area = std::fabs(v.x * v.z - v.y * v.y);
-    const double lambda = material.poisson == 0 || leans
-                              ? 1.0
-                              : static_cast<double>(normalStretch(std::fmax(static_cast<float>(area), 1e-12F), material.poisson));
-    const DVec2 t = DVec2(point.tangent) / lambda;
-    const DVec2 b = DVec2(-t.y, t.x) * static_cast<double>(sense);
-    return surfaceDeformation({v.x * t.x + v.y * t.y, v.x * b.x + v.y * b.y, v.y * t.x + v.z * t.y, v.y * b.x + v.z * b.y},
-                              leans ? DVec2(point.lean) : DVec2(0));
 }
 
 HitFacet facetAt(const Material &material, const RestRoughness &rest, const SlopeStatistics &slopes, const SurfacePoint &point, float sense,
                  const MicroTransform &plain) {
     HitFacet facet{{}, plain, false};
-    if (slopes.mean == Vec2(0) && slopes.covariance == Vec3(0)) return facet;
+    if (!slopes.tilt()) return facet;
+    const SlopeStatistics seen{slopes.mean * point.facing, slopes.covariance};
     const auto axis = rest.rotation == 0 ? Vector2<double>(1, 0) : Vector2<double>(std::cos(rest.rotation), std::sin(rest.rotation));
     const BasicBlock<double> block = restBlock<double>(static_cast<double>(rest.alphaX), static_cast<double>(rest.alphaY), axis);
     const bool stored = !point.object->storedPoisson.empty(); // then nothing is known of A, and the facet turns alone
-    const auto mapped = mappedTransform(stored ? turnOf(point, sense) : deformationOf(material, point, sense), slopes, block);
+    const auto mapped = mappedTransform(stored ? turnOf(point, sense) : deformationOf(material, point, sense), seen, block);
     if (!mapped || !(mapped->frame.n.z > kLeastFacing)) return facet;
     facet.frame = mapped->frame;
     facet.tilted = true;

@@ -15,16 +15,14 @@ struct UvMetric {
 /// What slopes are looked up by, of one point.
 struct SlopePlace {
     const Scene &scene;
-    const SurfacePoint &point;
+    const RenderObject &object;
+    const Index3 &corners;
+    const UvPoint &uv;
     const InterpolatedSurface &at;
-    float sense; ///< SurfaceGeometry
 };
 
-/// Slopes in the frame (t0, b0, n), n on the viewer's side; 0 without a map.
+/// Slopes in the frame (t0, b0, n), n outward; 0 without a map.
 SlopeStatistics slopesAt(const SlopeMap &map, const SlopePlace &place);
-
-/// The mesh's deformation there, F, from the rest frame (t0, b0, n) to the point's shading frame, over lambda.
-DMat3 deformationOf(const Material &material, const SurfacePoint &point, float sense);
 
 /// A facet in the point's shading frame, and its M in that of the facet.
 struct HitFacet {
@@ -32,6 +30,7 @@ struct HitFacet {
     MicroTransform micro;
     bool tilted = false; ///< else it is the mesh's own: `plain`
 };
+/// `slopes` as above, `sense` as SurfaceGeometry's.
 HitFacet facetAt(const Material &material, const RestRoughness &rest, const SlopeStatistics &slopes, const SurfacePoint &point, float sense,
                  const MicroTransform &plain);
 

@@ -1,3 +1,4 @@
+#include "taut/render/facet.h"
 #include "taut/render/path_state.h"
 
 namespace taut {
@@ -19,12 +20,12 @@ void prefetchTexels(const Texture &texture, const UvPoint &point) {
 bool PathTracer::State::waits(int event, std::size_t i, int aovChannels) {
     const Hit &hit = hits[i];
     const Index owner = scene.objectOfGeometry(hit.geometry);
-    if (plainObjects[owner] == 0 || (event == 0 && aovChannels > 0)) return false;
+    if (laneObjects[owner] == LaneObject::Alone || (event == 0 && aovChannels > 0)) return false;
     const RenderObject &object = scene.objects()[owner];
     const Index material = materialOfTriangle(object, hit.primitive);
     if (!laneMaterials[material].inLanes) return false;
     if (event == 0) paths[active[i]].alpha = 1;
-    if (event >= settings.maxEvents) return true;
+    if (event >= settings.maxEvents) return !mayEmit(object, hit.primitive);
     waiting[material].push_back(static_cast<Index>(i));
     __builtin_prefetch(&object.surface.triangles[hit.primitive]);
     return true;
@@ -43,10 +44,11 @@ void PathTracer::State::prefetch(std::size_t i) const {
     }
 }
 
-/// What lane `lane` needs of hit i.
-void PathTracer::State::gather(std::size_t lane, std::size_t i) {
+/// The surface at hit i, from its corners.
+template <bool kStill> void PathTracer::State::gatherSurface(std::size_t lane, std::size_t i, bool isPlain) {
     HitLanes &l = *lanes;
-    const HitCorners<true> corners(scene.objects()[scene.objectOfGeometry(hits[i].geometry)], hits[i], 0);
+    const RenderObject &object = scene.objects()[scene.objectOfGeometry(hits[i].geometry)];
+    const HitCorners<kStill> corners(object, hits[i], paths[active[i]].time);
     const InterpolatedSurface p = corners.surface();
     l.position.set(lane, p.position);
     l.e1.set(lane, p.e1);
@@ -55,11 +57,33 @@ void PathTracer::State::gather(std::size_t lane, std::size_t i) {
     l.tangent.set(lane, Vec3(p.tangent));
     l.tangentSense[lane] = p.tangent.w;
     l.corners[lane] = p.corners;
-    const bool deforms = !corners.step().stretch.empty();
+    const bool deforms = isPlain && !corners.step().stretch.empty();
     const SymmetricTensor v = deforms ? corners.stretch() : SymmetricTensor{};
     l.diagonal.set(lane, v.diagonal);
     l.offDiagonal.set(lane, v.offDiagonal);
     l.deforms[lane] = deforms ? 1 : 0;
+    l.other[lane] = isPlain ? 0 : 1;
+    if constexpr (!kStill) {
+        if (isPlain) return;
+        const HitDeformation d = deformationAt(object, corners, surfaceGeometry(p, -rays[i].direction));
+        l.hasOthers = true;
+        l.leans |= object.object->lean;
+        l.otherStretch[lane] = d.stretch;
+        l.otherTangent[lane] = d.tangent;
+        l.otherLean[lane] = d.lean;
+        l.followsPoisson[lane] = object.object->lean ? 0 : 1;
+        l.strain[lane] = d.strain;
+    }
+}
+
+/// What lane `lane` needs of hit i.
+void PathTracer::State::gather(std::size_t lane, std::size_t i) {
+    HitLanes &l = *lanes;
+    const Index owner = scene.objectOfGeometry(hits[i].geometry);
+    if (laneObjects[owner] == LaneObject::Still)
+        gatherSurface<true>(lane, i, true);
+    else
+        gatherSurface<false>(lane, i, laneObjects[owner] == LaneObject::Moving);
     l.wo.set(lane, -rays[i].direction);
     const Path &path = paths[active[i]];
     l.throughput.set(lane, path.throughput);
@@ -70,6 +94,16 @@ void PathTracer::State::gather(std::size_t lane, std::size_t i) {
     l.path[lane] = active[i];
 }
 
+/// Of hit i, the corners of its triangle gathered in `lane`.
+MeshValues PathTracer::State::meshValuesOf(std::size_t lane, std::size_t i, const PreparedMaterial &prepared) const {
+    const HitLanes &l = *lanes;
+    InterpolatedSurface at;
+    at.e1 = l.e1.at(lane);
+    at.e2 = l.e2.at(lane);
+    const float coneWidth = hasCones && prepared.filters ? paths[active[i]].cone.widthAt(hits[i].t) : 0.0F;
+    return meshValuesAt(scene.objects()[scene.objectOfGeometry(hits[i].geometry)], hits[i], at, l.wo.at(lane), coneWidth);
+}
+
 /// The material's values in all lanes, textures looked up; memory is asked for their texels before the first is read.
 void PathTracer::State::lookUp(const LaneMaterial &material, std::span<const Index> chunk) {
     HitLanes &l = *lanes;
@@ -78,25 +112,64 @@ void PathTracer::State::lookUp(const LaneMaterial &material, std::span<const Ind
     const Scene &from = scene.scene();
     const bool glossy = bsdfInfo(m.type).microsurface;
     const auto padded = static_cast<std::size_t>(l.padded());
-    MeshValues mesh[HitLanes::kSize];
     for (std::size_t k = 0; k < padded; ++k) {
-        const Index i = chunk[k < chunk.size() ? k : 0];
-        InterpolatedSurface at;
-        at.e1 = l.e1.at(k);
-        at.e2 = l.e2.at(k);
-        const float coneWidth = hasCones && prepared.filters ? paths[active[i]].cone.widthAt(hits[i].t) : 0.0F;
-        mesh[k] = meshValuesAt(scene.objects()[scene.objectOfGeometry(hits[i].geometry)], hits[i], at, l.wo.at(k), coneWidth);
-        if (m.color.texture != kNone) prefetchTexels(from.textures[m.color.texture], mesh[k].uv);
+        meshValues[k] = meshValuesOf(k, chunk[k < chunk.size() ? k : 0], prepared);
+        if (m.color.texture != kNone) prefetchTexels(from.textures[m.color.texture], meshValues[k].uv);
+        if (material.mapped) prefetchTexels(from.textures[m.slopes.texture], meshValues[k].uv);
     }
     for (std::size_t k = 0; k < padded; ++k) {
-        const float metallic = m.metallic.texture == kNone ? material.values.metallic : evaluateShare(m.metallic, from, mesh[k].uv);
-        lanes::setValues(l, k, baseColorAt(m, from, mesh[k]), metallic, glossy ? restRoughness(m, from, mesh[k].uv) : material.rest);
+        const UvPoint &uv = meshValues[k].uv;
+        const float metallic = m.metallic.texture == kNone ? material.values.metallic : evaluateShare(m.metallic, from, uv);
+        lanes::setValues(l, k, baseColorAt(m, from, meshValues[k]), metallic, glossy ? restRoughness(m, from, uv) : material.rest);
+    }
+    if (material.layered) {
+        if (!l.coat) l.coat = std::make_unique<HitLanes>();
+        for (std::size_t k = 0; k < padded; ++k) {
+            const UvPoint &uv = meshValues[k].uv;
+            l.specular[k] = evaluateShare(m.specular, from, uv);
+            l.specularColor.set(k, evaluate(m.specularColor, from, uv));
+            l.clearcoat[k] = evaluateShare(m.clearcoat, from, uv);
+            const float alpha = coatAlpha(m, from, uv);
+            lanes::setValues(*l.coat, k, Vec3(0), 0, {alpha, alpha, 0});
+        }
+        lookUpSlopes(m.coatSlopes, chunk, *l.coat);
+    }
+    lookUpSlopes(m.slopes, chunk, l);
+}
+
+/// A map's slopes in all lanes of `into`.
+void PathTracer::State::lookUpSlopes(const SlopeMap &map, std::span<const Index> chunk, HitLanes &into) {
+    if (!map.isGiven()) return;
+    const HitLanes &l = *lanes;
+    for (std::size_t k = 0; k < static_cast<std::size_t>(l.padded()); ++k) {
+        const Hit &hit = hits[chunk[k < chunk.size() ? k : 0]];
+        const RenderObject &object = scene.objects()[scene.objectOfGeometry(hit.geometry)];
+        InterpolatedSurface at;
+        at.normal = l.normal.at(k);
+        at.tangent = Vec4(l.tangent.at(k), l.tangentSense[k]);
+        const Index3 &corners = object.surface.triangles[hit.primitive];
+        lanes::setSlopes(into, k, slopesAt(map, {scene.scene(), object, corners, meshValues[k].uv, at}));
+    }
+}
+
+/// What the hits' triangles emit towards their paths.
+void PathTracer::State::seeEmissions(const LaneMaterial &material, std::span<const Index> chunk) {
+    const HitLanes &l = *lanes;
+    for (std::size_t k = 0; k < chunk.size(); ++k) {
+        const Hit &hit = hits[chunk[k]];
+        const RenderObject &object = scene.objects()[scene.objectOfGeometry(hit.geometry)];
+        if (l.walks[k] != 0 || !mayEmit(object, hit.primitive)) continue;
+        const UvPoint uv = material.varies ? meshValues[k].uv : meshValuesOf(k, chunk[k], *material.prepared).uv;
+        const Vec3 emission = emissionAt(object, hit.primitive, scene.scene(), l.facing[k], uv);
+        if (emission != Vec3(0)) seeEmission(paths[l.path[k]], rays[chunk[k]], hit, l.geometricNormal.at(k), emission);
     }
 }
 
 void PathTracer::State::shadeAtOnce(int event, const LaneMaterial &material, std::span<const Index> chunk) {
     HitLanes &l = *lanes;
     l.count = static_cast<int>(chunk.size());
+    l.leans = material.mapped || material.layered;
+    l.hasOthers = false;
     const auto padded = static_cast<std::size_t>(l.padded());
     for (const Index i : chunk) prefetch(i);
     for (std::size_t k = 0; k < padded; ++k) gather(k, chunk[k < chunk.size() ? k : 0]);
@@ -108,11 +181,16 @@ void PathTracer::State::shadeAtOnce(int event, const LaneMaterial &material, std
                                dimensionOf(event, kLightChoice),      dimensionOf(event, kRoulette),    scene.lights().choices};
     const bool lit = numbers.lights > 0;
     lanes::view(l, material, numbers);
+    seeEmissions(material, chunk);
     if (lit) lanes::aim(l, scene.lights());
     if (lit) lanes::connect(l, material);
     lanes::scatter(l, material);
     const bool glossy = bsdfInfo(material.bsdf.type).microsurface;
     for (std::size_t k = 0; k < chunk.size(); ++k) {
+        if (l.walks[k] != 0) {
+            shade(event, l.path[k], rays[chunk[k]], hits[chunk[k]], {}, 0);
+            continue;
+        }
         Path &path = paths[l.path[k]];
         if (lit && l.connects[k] > 0) {
             shadowRays.push_back(shadowRay(l.shadowOrigin.at(k), l.position.at(k), l.lightDirection.at(k), l.lightDistance[k], path.time));

@@ -50,15 +50,6 @@ TAUT_INLINE BasicBlock<double> blockOf(const HitLanes &l, std::size_t i) {
     return {x * rest.a + y * rest.c, x * rest.b + y * rest.d, y * rest.a + z * rest.c, y * rest.b + z * rest.d};
 }
 
-TAUT_INLINE void setMicro(HitLanes &l, std::size_t i, const MicroTransform &m) {
-    l.a[i] = m.a;
-    l.b[i] = m.b;
-    l.d[i] = m.d;
-    l.inverseA[i] = m.inverseA;
-    l.inverseD[i] = m.inverseD;
-    l.det[i] = m.det;
-}
-
 TAUT_INLINE void microLoop(HitLanes &l) {
     const int count = l.padded();
 #pragma GCC ivdep
@@ -70,16 +61,23 @@ TAUT_INLINE void microLoop(HitLanes &l) {
     }
 }
 
-TAUT_INLINE void viewLoop(HitLanes &l, float bearableWaste, bool refracts) {
+/// Refraction needs all visible normals, and what leans knows no bound.
+template <bool kLean> TAUT_INLINE bool needsAll(const MicroTransform &m, bool refracts) {
+    if constexpr (kLean)
+        return refracts | !m.upright();
+    else
+        return refracts;
+}
+template <bool kLean> TAUT_INLINE void viewLoop(HitLanes &l, float bearableWaste, bool refracts) {
     const int count = l.padded();
 #pragma GCC ivdep
     for (int i = 0; i < count; ++i) {
-        const MicroTransform m = l.micro(i);
+        const MicroTransform m = microOf<kLean>(l, i);
         const Vec3 wo = l.woLocal.at(i);
         const float length = ggx::stretchedLength(m, wo);
         const float area = ggx::visibleArea(m, wo, length);
-        const float bound = ggx::reflectionBound(m, wo);
-        const float k = refracts ? 1.0F : bound; // refraction needs all visible normals
+        const float bound = ggx::reflectionBound(microOf<false>(l, i), wo);
+        const float k = needsAll<kLean>(m, refracts) ? 1.0F : bound;
         l.length[i] = length;
         l.area[i] = area;
         l.capBound[i] = k;
@@ -120,17 +118,18 @@ TAUT_INLINE void numbersLoop(HitLanes &l, const EventNumbers &numbers) {
     struct NAME {                                                                                                                          \
         [[gnu::flatten __VA_ARGS__]] static void geometry(HitLanes &l) { geometryLoop(l); }                                                \
         [[gnu::flatten __VA_ARGS__]] static void micro(HitLanes &l) { microLoop(l); }                                                      \
-        [[gnu::flatten __VA_ARGS__]] static void view(HitLanes &l, float waste, bool r) { viewLoop(l, waste, r); }                         \
+        template <bool kLean>[[gnu::flatten __VA_ARGS__]] static void view(HitLanes &l, float waste, bool r) {                             \
+            viewLoop<kLean>(l, waste, r);                                                                                                  \
+        }                                                                                                                                  \
         [[gnu::flatten __VA_ARGS__]] static void numbers(HitLanes &l, const EventNumbers &e) { numbersLoop(l, e); }                        \
         [[gnu::flatten __VA_ARGS__]] static void lightNumbers(HitLanes &l, const EventNumbers &e) { lightNumbersLoop(l, e); }              \
         [[gnu::flatten __VA_ARGS__]] static void choiceNumbers(HitLanes &l, const EventNumbers &e) { choiceNumbersLoop(l, e); }            \
     };
 TAUT_FOR_INSTRUCTION_SETS(TAUT_LOOPS)
 
-/// Layers on top and what passes go one by one, and so do values that only some of them have and a texture says.
-bool hasLayers(const Material &m) {
-    return m.transmission.value > 0 || m.clearcoat.value > 0 || m.sheenColor.value != Vec3(0) || m.iridescence.value > 0 ||
-           m.specular.texture != kNone || m.specularColor.texture != kNone;
+/// Fibres, films and what passes go one by one.
+bool goesAlone(const Material &m) {
+    return m.transmission.value > 0 || m.sheenColor.value != Vec3(0) || m.iridescence.value > 0;
 }
 
 /// Whether none of its upright hits is to be walked.
@@ -145,18 +144,21 @@ LaneMaterial laneMaterial(const PreparedMaterial &prepared) {
     LaneMaterial lane;
     const Material &m = *prepared.material;
     const BsdfInfo &info = bsdfInfo(m.type);
-    if (!info.lanes || m.unlit || m.slopes.isGiven() || m.roughening > 0) return lane;
+    if (!info.lanes || m.unlit) return lane;
     if (info.refracts && fresnel::isMatched(m.ior)) return lane; // passes light straight on (bsdf.h)
     if (info.microsurface && !needsNoWalk(prepared)) return lane;
-    if (info.reads(kMetallicKey) && hasLayers(m)) return lane;
+    if (info.reads(kMetallicKey) && goesAlone(m)) return lane;
     static const Scene kNoTextures;
     lane.inLanes = true;
     lane.prepared = &prepared;
-    lane.varies = m.vertexColors || m.color.texture != kNone || m.metallic.texture != kNone || m.alphaX.texture != kNone ||
-                  m.alphaY.texture != kNone || m.rotation.texture != kNone || m.anisotropyTexture != kNone;
+    lane.layered = info.reads(kMetallicKey) && (m.clearcoat.value > 0 || m.specular.texture != kNone || m.specularColor.texture != kNone);
+    lane.mapped = m.slopes.isGiven();
+    lane.varies = lane.mapped || lane.layered || m.vertexColors || m.color.texture != kNone || m.metallic.texture != kNone ||
+                  m.alphaX.texture != kNone || m.alphaY.texture != kNone || m.rotation.texture != kNone || m.anisotropyTexture != kNone;
     Material alike = m; // textures are looked up at hits
     alike.color.texture = alike.metallic.texture = alike.alphaX.texture = alike.alphaY.texture = alike.rotation.texture = kNone;
-    alike.anisotropyTexture = kNone;
+    alike.anisotropyTexture = alike.specular.texture = alike.specularColor.texture = kNone;
+    alike.clearcoat = {}; // looked up as well
     PreparedMaterial plain = prepared;
     plain.material = &alike;
     lane.values = valuesAt(plain, kNoTextures, baseColorAt(alike, kNoTextures, {}), Vec2(0));
@@ -165,11 +167,13 @@ LaneMaterial laneMaterial(const PreparedMaterial &prepared) {
     return lane;
 }
 
+bool inLanes(const RenderObject &object) {
+    return object.storedPoisson.empty();
+}
+
 bool isPlain(const RenderObject &object) {
-    const Object &source = *object.object;
     const bool stretchAsItIs = object.stretchOnFaces() || object.plan.interpolation == GradientInterpolation::Stretch;
-    return !emits(source) && !source.lean && object.storedPoisson.empty() && object.steps.size() == 1 && object.placements.size() <= 1 &&
-           stretchAsItIs;
+    return !object.object->lean && !object.roughens && stretchAsItIs;
 }
 
 namespace lanes {
@@ -196,42 +200,95 @@ void setValues(HitLanes &l, const LaneMaterial &material) {
     }
 }
 
+void setSlopes(HitLanes &l, std::size_t lane, const SlopeStatistics &slopes) {
+    l.slopeX[lane] = slopes.mean.x;
+    l.slopeY[lane] = slopes.mean.y;
+    l.slopeSpread.set(lane, slopes.covariance);
+}
+
 namespace {
 
 /// Poisson's ratio: what V is divided by.
 void setLambda(HitLanes &l, float poisson) {
     for (std::size_t i = 0; i < static_cast<std::size_t>(l.padded()); ++i)
-        l.inverseLambda[i] = poisson == 0 ? 1.0 : 1 / static_cast<double>(lambdaOf(l.stretch.at(i), poisson));
+        l.inverseLambda[i] = poisson == 0 || (l.hasOthers && l.other[i] != 0 && l.followsPoisson[i] == 0)
+                                 ? 1.0
+                                 : 1 / static_cast<double>(lambdaOf(l.stretch.at(i), poisson));
+}
+
+/// What was gathered of meshes that deform in another way takes the place of the loop's.
+void setDeformations(HitLanes &l) {
+    for (std::size_t i = 0; i < static_cast<std::size_t>(l.padded()); ++i) {
+        if (l.other[i] == 0) continue;
+        l.stretch.set(i, l.otherStretch[i]);
+        l.tangentX[i] = l.otherTangent[i].x;
+        l.tangentY[i] = l.otherTangent[i].y;
+    }
 }
 
 } // namespace
+
+void setMicrosurface(HitLanes &lanes, Instructions instructions) {
+    onInstructions(instructions, [&](auto loops) { decltype(loops)::micro(lanes); });
+    for (int i = 0; i < lanes.padded(); ++i) {
+        if (lanes.inRange[i] != 0) continue;
+        const BasicBlock<double> block = blockOf(lanes, static_cast<std::size_t>(i));
+        setMicro(lanes, static_cast<std::size_t>(i), microTransform(block.a, block.b, block.c, block.d));
+    }
+}
+
+void setLeans(HitLanes &l) {
+    if (!l.leans) return;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(l.padded()); ++i) {
+        const Vec2 lean = leanOf(l, i);
+        l.p[i] = lean.x;
+        l.q[i] = lean.y;
+        l.tilted[i] = 0;
+    }
+}
+
+void roughen(HitLanes &l, const Material &material) {
+    if (!l.hasOthers) return;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(l.padded()); ++i)
+        if (l.other[i] != 0 && l.strain[i] > 0) setMicro(l, i, roughenedBy(material, l.strain[i], l.micro(i)));
+}
+
+void setView(HitLanes &lanes, float bearableWaste, bool refracts, Instructions instructions) {
+    onInstructions(instructions, [&](auto loops) {
+        using Loops = decltype(loops);
+        lanes.leans ? Loops::template view<true>(lanes, bearableWaste, refracts)
+                    : Loops::template view<false>(lanes, bearableWaste, refracts);
+    });
+    lanes.cones.clear();
+    for (int i = 0; i < lanes.count; ++i) {
+        if (lanes.cone[i] == 0) continue;
+        const auto at = static_cast<std::size_t>(i);
+        lanes.cones.emplace_back(lanes.micro(at), lanes.woLocal.at(at), bearableWaste);
+        lanes.cone[i] = static_cast<int>(lanes.cones.size());
+        lanes.pdfScale[i] = lanes.cones.back().pdfScale();
+    }
+}
 
 void view(HitLanes &lanes, const LaneMaterial &material, const EventNumbers &numbers, Instructions instructions) {
     onInstructions(instructions, [&](auto loops) {
         using Loops = decltype(loops);
         lanes.compensates = false;
         Loops::geometry(lanes);
+        if (lanes.hasOthers) setDeformations(lanes);
         Loops::numbers(lanes, numbers);
         if (numbers.lights > 0) Loops::lightNumbers(lanes, numbers);
         if (numbers.lights > 1) Loops::choiceNumbers(lanes, numbers);
         const BsdfInfo &info = bsdfInfo(material.bsdf.type);
+        std::fill_n(lanes.walks, lanes.padded(), 0);
+        if (info.microsurface || lanes.leans) setLambda(lanes, material.prepared->material->poisson);
+        setLeans(lanes);
+        if (material.layered) startCoat(lanes);
+        if (info.microsurface) setMicrosurface(lanes, instructions);
+        if (material.mapped) setFacets(lanes, material.prepared->material->facets, info.microsurface, instructions);
         if (!info.microsurface) return;
-        setLambda(lanes, material.prepared->material->poisson);
-        Loops::micro(lanes);
-        for (int i = 0; i < lanes.padded(); ++i) {
-            if (lanes.inRange[i] != 0) continue;
-            const BasicBlock<double> block = blockOf(lanes, static_cast<std::size_t>(i));
-            setMicro(lanes, static_cast<std::size_t>(i), microTransform(block.a, block.b, block.c, block.d));
-        }
-        Loops::view(lanes, material.bsdf.bearableWaste, info.refracts);
-        lanes.cones.clear();
-        for (int i = 0; i < lanes.count; ++i) {
-            if (lanes.cone[i] == 0) continue;
-            const auto at = static_cast<std::size_t>(i);
-            lanes.cones.emplace_back(lanes.micro(at), lanes.woLocal.at(at), material.bsdf.bearableWaste);
-            lanes.cone[i] = static_cast<int>(lanes.cones.size());
-            lanes.pdfScale[i] = lanes.cones.back().pdfScale();
-        }
+        roughen(lanes, *material.prepared->material);
+        setView(lanes, material.bsdf.bearableWaste, info.refracts, instructions);
+        if (material.layered) setCoat(lanes, material, instructions);
         setShares(lanes, material, instructions);
     });
 }

@@ -3,16 +3,18 @@
 /// (base/instructions.h). The formulas are those of hits one by one, by the same functions, and no compiler may fuse or reorder their
 /// sums (-ffp-contract=off, no fast math): the bits are the same, to which a test holds whole pictures.
 ///
-/// laneMaterial() says which materials go this way, isPlain() on which meshes: those that do not emit, lean or move while the shutter is
-/// open, with V interpolated as it is. All others go one by one (shading.h).
+/// laneMaterial() says which materials go this way, inLanes() on which meshes. All others go one by one (shading.h), and so do single
+/// lanes where asked for (`walks`).
 ///
 /// The order of a batch: gather (gather.cpp), view(), aim(), connect(), scatter().
 
 #include "taut/base/instructions.h"
 #include "taut/base/lanes.h"
+#include "taut/microsurface/mesostructure.h"
 #include "taut/microsurface/reflection_sampler.h"
 #include "taut/render/shading.h"
 
+#include <memory>
 #include <vector>
 
 namespace taut {
@@ -31,31 +33,49 @@ struct alignas(64) HitLanes {
     float tangentSense[kSize], corners[kSize];
     Vectors diagonal, offDiagonal; ///< V as SymmetricTensor
     int deforms[kSize];            ///< 0: V is the identity, whatever those hold
-    Vectors wo;                    ///< render space
-    Vectors color;                 ///< the material's values there, textures looked up
+    bool hasOthers = false;        ///< a mesh of one of the lanes deforms in another way: HitDeformation of these
+    int other[kSize];              ///< 1: one of these
+    Vec3 otherStretch[kSize];
+    Vec2 otherTangent[kSize], otherLean[kSize];
+    int followsPoisson[kSize]; ///< 0: lambda is in V already
+    float strain[kSize];
+    Vectors wo;    ///< render space
+    Vectors color; ///< the material's values there, textures looked up
     float metallic[kSize], alphaX[kSize], alphaY[kSize];
-    float cosine[kSize], sine[kSize]; ///< of the rest rotation
+    float cosine[kSize], sine[kSize];   ///< of the rest rotation
+    bool leans = false;                 ///< M may, in one of the lanes, and facets be tilted: what follows is set then
+    float slopeX[kSize], slopeY[kSize]; ///< SlopeStatistics
+    Vectors slopeSpread;
+    Vectors specularColor; ///< of a material with layers: KHR_materials_specular and the share of a coat
+    float specular[kSize], clearcoat[kSize];
     Vectors throughput;
     float etaScale[kSize], time[kSize];
     std::uint32_t sample[kSize], seed[kSize];
     Index path[kSize];
 
     // view(): frame, M and the numbers of this event.
-    Vectors geometricNormal, s, t, n, woLocal;
+    Vectors geometricNormal;
+    Vectors s, t, n; ///< of what scatters: the shading frame, or a tilted facet's
+    int tilted[kSize];
+    Vectors woLocal; ///< in that frame
     float clearance[kSize];
     float facing[kSize], sense[kSize];
     Vectors stretch; ///< in the frame: ss, st, tt
     double inverseLambda[kSize];
     float tangentX[kSize], tangentY[kSize];
     float a[kSize], b[kSize], d[kSize], inverseA[kSize], inverseD[kSize], det[kSize];
+    float p[kSize], q[kSize];
     int inRange[kSize]; ///< whether a, b, d are M's; else singular values are to be clamped
     float length[kSize], area[kSize], capBound[kSize], pdfScale[kSize];
     Vectors reflected; ///< of kinds with several lobes: by the facets, on average; and what they cover
     float cover[kSize];
     float facets[kSize], diffuse[kSize], kept[kSize]; ///< LobeShares
+    float coated[kSize], under[kSize];                ///< and of those with layers: LobeShares::coat and under
+    float coatReflected[kSize];                       ///< LayerView::coatShare
     int dark[kSize], suffices[kSize];
     bool compensates = false; ///< light of several facets is given back in one of the lanes: MultipleScattering, 0 in the others
     int several[kSize];       ///< whether, in that lane
+    int walks[kSize];         ///< 1: it is to be followed, by shading this lane's hit alone; of kinds that compensate
     float loss[kSize], lossMean[kSize], chance[kSize];
     Vectors severalColor;
     float compensation[kSize]; ///< multiple::compensation of a direction
@@ -76,27 +96,36 @@ struct alignas(64) HitLanes {
 
     // scatter(): the next ray; the path ends but where `goesOn` > 0.
     float facetCoin[kSize]; ///< LaneSample
+    float coatCoin[kSize];  ///< of the coat's, likewise
     Vectors scatterLocal, nextOrigin, nextDirection, nextThroughput;
     float scatterPdf[kSize], nextEtaScale[kSize];
     float usable[kSize]; ///< of what transmits: LaneSample
     float goesOn[kSize];
 
+    /// The coat: a microsurface of its own on these hits, of which s, t and n are seen from that of the base.
+    std::unique_ptr<HitLanes> coat;
+
     /// Lanes that loops run over.
     [[nodiscard]] int padded() const { return (count + kStep - 1) / kStep * kStep; }
-    [[nodiscard]] MicroTransform micro(std::size_t i) const { return {a[i], b[i], d[i], 0, 0, inverseA[i], inverseD[i], det[i]}; }
+    [[nodiscard]] MicroTransform micro(std::size_t i) const {
+        return {a[i], b[i], d[i], leans ? p[i] : 0.0F, leans ? q[i] : 0.0F, inverseA[i], inverseD[i], det[i]};
+    }
 };
 
 /// A material as loops take it.
 struct LaneMaterial {
     bool inLanes = false;
-    bool varies = false; ///< from hit to hit: by textures or colours of the mesh
+    bool varies = false;  ///< from hit to hit: by textures or colours of the mesh
+    bool mapped = false;  ///< a map tilts its facets
+    bool layered = false; ///< has a coat, or numbers of KHR_materials_specular that vary
     const PreparedMaterial *prepared = nullptr;
     Bsdf bsdf;             ///< its kind, seen from the outside; without an M
     MaterialValues values; ///< where it does not vary
     RestRoughness rest{1, 1, 0};
 };
 LaneMaterial laneMaterial(const PreparedMaterial &prepared);
-/// Whether hits on a mesh may be shaded at once.
+/// Whether hits on a mesh may be shaded at once; and whether V is interpolated as it is, and nothing else is asked of the deformation.
+bool inLanes(const RenderObject &object);
 bool isPlain(const RenderObject &object);
 
 /// Numbers of the sample sequence that an event draws, by dimension.
@@ -110,6 +139,8 @@ namespace lanes {
 /// Fills the values of a lane, and of all lanes for a material that does not vary.
 void setValues(HitLanes &lanes, std::size_t lane, const Vec3 &color, float metallic, const RestRoughness &rest);
 void setValues(HitLanes &lanes, const LaneMaterial &material);
+/// `slopes`: slopesAt() of a material's map.
+void setSlopes(HitLanes &lanes, std::size_t lane, const SlopeStatistics &slopes);
 
 /// Fills what follows the gathered part, for event number `numbers`.
 void view(HitLanes &lanes, const LaneMaterial &material, const EventNumbers &numbers, Instructions instructions = widest());

@@ -35,7 +35,12 @@ PathTracer::PathTracer(const RenderScene &scene, const std::vector<PreparedMater
     : state_(std::make_unique<State>(scene, materials, settings)) {
     State &s = *state_;
     for (const PreparedMaterial &material : materials) s.laneMaterials.push_back(laneMaterial(material));
-    for (const RenderObject &object : scene.objects()) s.plainObjects.push_back(!settings.oneByOne && isPlain(object) ? 1 : 0);
+    for (const RenderObject &object : scene.objects()) {
+        using Way = State::LaneObject;
+        const bool still = object.steps.size() == 1 && object.placements.size() <= 1;
+        const Way plain = still ? Way::Still : Way::Moving;
+        s.laneObjects.push_back(settings.oneByOne || !inLanes(object) ? Way::Alone : isPlain(object) ? plain : Way::Other);
+    }
     s.waiting.resize(materials.size());
     for (const PreparedMaterial &material : materials) s.hasMedia |= material.extinction != Vec3(0);
     for (const PreparedMaterial &material : materials) s.hasCones |= material.filters;

@@ -1,3 +1,4 @@
+#include "taut/bsdf/tilted_facet.h"
 #include "taut/render/lane_kinds.h"
 #include "taut/render/roulette.h"
 
@@ -12,22 +13,47 @@ template <class Kind, bool kCorrelated> TAUT_INLINE LobeView lobeViewOf(const Hi
         view.shares.diffuse = l.diffuse[i];
         view.shares.kept = l.kept[i];
     }
+    if constexpr (kLayered<Kind>) {
+        view.shares.coat = l.coated[i];
+        view.shares.under = l.under[i];
+    }
     return view;
 }
 
-/// fCos and density for wi, local. Where the density is 0, as below the horizon of what only reflects, fCos means nothing: selecting it
-/// would put square roots behind a branch.
+/// A direction of the base's frame in the coat's, and back.
+TAUT_INLINE Vec3 toCoat(const HitLanes &coat, std::size_t i, const Vec3 &w) {
+    return selected(coat.tilted[i] != 0, Vec3(glm::dot(w, coat.s.at(i)), glm::dot(w, coat.t.at(i)), glm::dot(w, coat.n.at(i))), w);
+}
+TAUT_INLINE Vec3 fromCoat(const HitLanes &coat, std::size_t i, const Vec3 &w) {
+    return selected(coat.tilted[i] != 0, coat.s.at(i) * w.x + coat.t.at(i) * w.y + coat.n.at(i) * w.z, w);
+}
+template <bool kCorrelated> TAUT_INLINE clear_coat::Seen coatOf(const HitLanes &l, std::size_t i) {
+    const HitLanes &coat = *l.coat;
+    return {microOf<true>(coat, i),
+            {coat.length[i], coat.area[i], coat.pdfScale[i], kCorrelated, 1, {}},
+            l.coatReflected[i],
+            coat.woLocal.at(i)};
+}
+
+/// fCos and density for wi, local; `compensation`: multiple::compensation() towards it. Where the density is 0, as below the horizon of
+/// what only reflects, fCos means nothing: selecting it would put square roots behind a branch.
 template <class Kind, bool kCorrelated, bool kSeveral>
-TAUT_INLINE BsdfEval evaluateLane(const HitLanes &l, std::size_t i, const Bsdf &bsdf, const Vec3 &wi) {
+TAUT_INLINE BsdfEval evaluateLane(const HitLanes &l, std::size_t i, const Bsdf &bsdf, const Vec3 &wi, float compensation) {
     const LobeView view = lobeViewOf<Kind, kCorrelated>(l, i, bsdf);
-    const BsdfEval above = Kind::Class::above(bsdf, l.micro(i), view, l.woLocal.at(i), wi);
+    const MicroTransform m = microOf<kLeans<Kind>>(l, i);
+    BsdfEval above;
+    if constexpr (kLayered<Kind>) {
+        above = Kind::Class::aboveCoated(bsdf, m, view, coatOf<kCorrelated>(l, i), l.woLocal.at(i), wi, toCoat(*l.coat, i, wi));
+    } else {
+        above = Kind::Class::above(bsdf, m, view, l.woLocal.at(i), wi);
+    }
     if constexpr (kSeveral) {
-        const Vec3 several = l.severalColor.at(i) * l.compensation[i];
+        const Vec3 several = l.severalColor.at(i) * compensation;
         const float chance = l.chance[i];
         const float pdf = (1 - chance) * above.pdf + chance * (kInvPi * wi.z);
         return {Vec3(above.fCos.x + several.x, above.fCos.y + several.y, above.fCos.z + several.z), wi.z > 0 ? pdf : 0.0F};
     } else if constexpr (kPasses<Kind>) {
-        const BsdfEval below = Kind::Class::below(bsdf, l.micro(i), view, l.woLocal.at(i), wi);
+        const BsdfEval below = Kind::Class::below(bsdf, m, view, l.woLocal.at(i), wi);
         const bool up = wi.z > 0;
         return {Vec3(up ? above.fCos.x : below.fCos.x, up ? above.fCos.y : below.fCos.y, up ? above.fCos.z : below.fCos.z),
                 up ? above.pdf : below.pdf};
@@ -59,13 +85,20 @@ template <bool kLocal> TAUT_INLINE void compensationLoop(HitLanes &l, const HitL
 #pragma GCC ivdep
         for (std::size_t k = 0; k < kBlock; ++k) {
             const Vec3 w = kLocal ? directions.at(first + k) : toLocal(l, first + k, directions.at(first + k));
-            at.set(k, energy::coordinates(l.micro(first + k), w));
+            at.set(k, energy::coordinates(microOf<false>(l, first + k), w)); // by its block alone
             z[k] = w.z;
         }
         energy::singleScatterAlbedos<kBlock>(at, albedo, energy::table::kAlbedo.data());
         for (std::size_t k = 0; k < kBlock; ++k)
             l.compensation[first + k] = energy::multipleLobe(l.loss[first + k], 1 - albedo[k], l.lossMean[first + k], z[k]);
     }
+}
+
+/// What a light sample brings by what is scattered of it.
+TAUT_INLINE Vec3 broughtBy(const HitLanes &l, std::size_t i, const BsdfEval &scattered) {
+    const float lightPdf = l.lightPdf[i];
+    const float mis = l.lightWeighted[i] != 0 ? powerHeuristic(lightPdf, scattered.pdf) : 1.0F;
+    return l.throughput.at(i) * scattered.fCos * l.lightRadiance.at(i) * (mis / lightPdf);
 }
 
 template <class Kind, bool kCorrelated, bool kSeveral> TAUT_INLINE void connectLoop(HitLanes &l, const LaneMaterial &material) {
@@ -77,10 +110,9 @@ template <class Kind, bool kCorrelated, bool kSeveral> TAUT_INLINE void connectL
         const Vec3 direction = l.lightDirection.at(i);
         const Vec3 wi = toLocal(l, i, direction);
         const float side = glm::dot(direction, l.geometricNormal.at(i));
-        const BsdfEval scattered = evaluateLane<Kind, kCorrelated, kSeveral>(l, i, bsdf, wi);
+        const BsdfEval scattered = evaluateLane<Kind, kCorrelated, kSeveral>(l, i, bsdf, wi, kSeveral ? l.compensation[i] : 0.0F);
         const float lightPdf = l.lightPdf[i];
-        const float mis = l.lightWeighted[i] != 0 ? powerHeuristic(lightPdf, scattered.pdf) : 1.0F;
-        const Vec3 contribution = l.throughput.at(i) * scattered.fCos * l.lightRadiance.at(i) * (mis / lightPdf);
+        const Vec3 contribution = broughtBy(l, i, scattered);
         l.contribution.set(i, contribution);
         l.shadowOrigin.set(i, l.position.at(i) + l.geometricNormal.at(i) * awayFrom<Kind>(l, i, side));
         // Nothing below the horizon of what only reflects; nor where shading and geometric normal disagree about the side: no light
@@ -88,6 +120,25 @@ template <class Kind, bool kCorrelated, bool kSeveral> TAUT_INLINE void connectL
         const float agreed = kPasses<Kind> ? side * wi.z : side;
         const float least = std::min(std::min(lightPdf, agreed), std::min(scattered.pdf, maxComponent(contribution)));
         l.connects[i] = least;
+    }
+}
+
+/// What tilted facets send to the light by way of its mirror image in the mesh's plane (FacetScattering): in few lanes, one by one.
+template <class Kind, bool kCorrelated, bool kSeveral> TAUT_INLINE void mirrorLoop(HitLanes &l, const LaneMaterial &material) {
+    for (std::size_t i = 0; i < static_cast<std::size_t>(l.count); ++i) {
+        if (l.tilted[i] == 0 || !(l.lightPdf[i] > 0)) continue;
+        const Vec3 direction = l.lightDirection.at(i);
+        const Vec3 plane = l.geometricNormal.at(i);
+        const float side = glm::dot(direction, plane);
+        const Vec3 wi = toLocal(l, i, tilted::mirrored(direction, side, plane));
+        if (!tilted::agree(wi.z, side) || (!kPasses<Kind> && !(side > 0))) continue;
+        float compensation = 0;
+        if constexpr (kSeveral) compensation = multiple::compensation(l.micro(i), l.loss[i], l.lossMean[i], wi);
+        const BsdfEval e = evaluateLane<Kind, kCorrelated, kSeveral>(l, i, bsdfAt<Kind>(l, i, material.values), wi, compensation);
+        if (!(e.pdf > 0)) continue;
+        const Vec3 straight = l.connects[i] > 0 ? l.contribution.at(i) : Vec3(0);
+        l.contribution.set(i, straight + broughtBy(l, i, e));
+        l.connects[i] = maxComponent(l.contribution.at(i));
     }
 }
 
@@ -103,7 +154,18 @@ template <class Kind, bool kSeveral> TAUT_INLINE void directionLoop(HitLanes &l,
         const float chance = kSeveral ? l.chance[i] : 0.0F;
         const bool several = kSeveral && l.coin[i] < chance;
         const float rest = kSeveral && chance > 0 ? (l.coin[i] - chance) / (1 - chance) : l.coin[i];
-        const LaneSample sample = Kind::Class::sampleLane(bsdf, l.micro(i), view, l.capBound[i], l.woLocal.at(i), u, rest);
+        LaneSample sample = Kind::Class::sampleLane(bsdf, microOf<kLeans<Kind>>(l, i), view, l.capBound[i], l.woLocal.at(i), u, rest);
+        if constexpr (kLayered<Kind>) {
+            const float beside = rest - view.shares.facets;
+            const bool coated = !several & (beside >= 0) & (beside < view.shares.coat);
+            const float coin = beside / (coated ? view.shares.coat : 1.0F);
+            const HitLanes &layer = *l.coat;
+            const LaneSample coat = Reflector<typename Kind::Class>::sampleLane(bsdf, microOf<true>(layer, i), view, layer.capBound[i],
+                                                                                layer.woLocal.at(i), u, coin);
+            const Vec3 wi = selected(coat.wi.z > 0, fromCoat(layer, i, coat.wi), Vec3(0, 0, -1));
+            sample.wi = selected(coated, wi, sample.wi);
+            l.coatCoin[i] = coated ? coin : -1.0F;
+        }
         const Vec3 spread = kSeveral ? squareToCosineHemisphere(u) : Vec3(0);
         l.scatterLocal.set(i, {several ? spread.x : sample.wi.x, several ? spread.y : sample.wi.y, several ? spread.z : sample.wi.z});
         l.facetCoin[i] = several ? -1.0F : sample.coin;
@@ -118,10 +180,16 @@ template <class Kind, bool kCorrelated, bool kSeveral> TAUT_INLINE void scatterL
     for (int i = 0; i < count; ++i) {
         const Bsdf bsdf = bsdfAt<Kind>(l, i, alike);
         const Vec3 wi = l.scatterLocal.at(i);
-        const BsdfEval e = evaluateLane<Kind, kCorrelated, kSeveral>(l, i, bsdf, wi);
+        const BsdfEval e = evaluateLane<Kind, kCorrelated, kSeveral>(l, i, bsdf, wi, kSeveral ? l.compensation[i] : 0.0F);
         const bool sampled = e.pdf > 0;
         const Vec3 weight = e.fCos * (1 / (sampled ? e.pdf : 1.0F));
-        const Vec3 world = l.s.at(i) * wi.x + l.t.at(i) * wi.y + l.n.at(i) * wi.z;
+        Vec3 world = l.s.at(i) * wi.x + l.t.at(i) * wi.y + l.n.at(i) * wi.z;
+        if constexpr (kLeans<Kind>) {
+            const Vec3 plane = l.geometricNormal.at(i);
+            const float height = glm::dot(world, plane);
+            const bool straight = (l.tilted[i] == 0) | tilted::agree(wi.z, height);
+            world = selected(straight, world, tilted::mirrored(world, height, plane));
+        }
         const Vec3 direction = world * (1 / std::sqrt(glm::dot(world, world)));
         const float side = glm::dot(direction, l.geometricNormal.at(i));
         Vec3 throughput = l.throughput.at(i) * weight;
@@ -145,7 +213,7 @@ template <class Kind, bool kCorrelated, bool kSeveral> TAUT_INLINE void scatterL
 
 /// Also with whether light of several facets is given back.
 template <class Loop> TAUT_INLINE void bySeveral(const HitLanes &lanes, const LaneMaterial &material, const Loop &loop) {
-    byKind(material, [&](auto kind) {
+    byKind(lanes, material, [&](auto kind) {
         if constexpr (decltype(kind)::kInfo.compensates())
             if (lanes.compensates) return loop(kind, std::true_type());
         loop(kind, std::false_type());
@@ -156,6 +224,9 @@ template <class Loop> TAUT_INLINE void bySeveral(const HitLanes &lanes, const La
     struct NAME {                                                                                                                          \
         template <class Kind, bool kSeveral>[[gnu::flatten __VA_ARGS__]] static void connect(HitLanes &l, const LaneMaterial &m) {         \
             m.bsdf.correlated ? connectLoop<Kind, true, kSeveral>(l, m) : connectLoop<Kind, false, kSeveral>(l, m);                        \
+        }                                                                                                                                  \
+        template <class Kind, bool kSeveral>[[gnu::flatten __VA_ARGS__]] static void mirror(HitLanes &l, const LaneMaterial &m) {          \
+            m.bsdf.correlated ? mirrorLoop<Kind, true, kSeveral>(l, m) : mirrorLoop<Kind, false, kSeveral>(l, m);                          \
         }                                                                                                                                  \
         template <class Kind, bool kSeveral>[[gnu::flatten __VA_ARGS__]] static void direction(HitLanes &l, const LaneMaterial &m) {       \
             directionLoop<Kind, kSeveral>(l, m);                                                                                           \
@@ -169,6 +240,17 @@ template <class Loop> TAUT_INLINE void bySeveral(const HitLanes &lanes, const La
     };
 TAUT_FOR_INSTRUCTION_SETS(TAUT_LOOPS)
 
+/// Directions of coats that caps would waste too much of.
+void sampleCoatCones(HitLanes &l) {
+    const HitLanes &coat = *l.coat;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(l.count); ++i) {
+        if (coat.cone[i] == 0 || l.coatCoin[i] < 0) continue;
+        const ReflectionSampler &sampler = coat.cones[static_cast<std::size_t>(coat.cone[i] - 1)];
+        const auto wi = sampler.sample({l.scatterU[i], l.scatterV[i]}, l.coatCoin[i]);
+        l.scatterLocal.set(i, wi ? fromCoat(coat, i, *wi) : Vec3(0, 0, -1));
+    }
+}
+
 } // namespace
 
 namespace lanes {
@@ -177,7 +259,10 @@ void connect(HitLanes &lanes, const LaneMaterial &material, Instructions instruc
     onInstructions(instructions, [&](auto loops) {
         using Loops = decltype(loops);
         if (lanes.compensates) Loops::template compensation<false>(lanes, lanes.lightDirection);
-        bySeveral(lanes, material, [&](auto kind, auto several) { Loops::template connect<decltype(kind), several()>(lanes, material); });
+        bySeveral(lanes, material, [&](auto kind, auto several) {
+            Loops::template connect<decltype(kind), several()>(lanes, material);
+            if constexpr (kLeans<decltype(kind)>) Loops::template mirror<decltype(kind), several()>(lanes, material);
+        });
     });
 }
 
@@ -192,6 +277,7 @@ void scatter(HitLanes &lanes, const LaneMaterial &material, Instructions instruc
                 const auto wi = sampler.sample({lanes.scatterU[i], lanes.scatterV[i]}, lanes.facetCoin[i]);
                 lanes.scatterLocal.set(static_cast<std::size_t>(i), wi.value_or(Vec3(0, 0, -1)));
             }
+        if (material.layered) sampleCoatCones(lanes);
         if (lanes.compensates) Loops::template compensation<true>(lanes, lanes.scatterLocal);
         bySeveral(lanes, material, [&](auto kind, auto several) { Loops::template scatter<decltype(kind), several()>(lanes, material); });
     });

@@ -14,7 +14,7 @@ template <class Kind> TAUT_INLINE void normalLoop(HitLanes &l, const LaneMateria
     for (int i = 0; i < count; ++i) {
         const Bsdf bsdf = bsdfAt<Kind>(l, i, alike);
         const Vec3 wo = l.woLocal.at(i);
-        l.dark[i] = Kind::Class::isSurelyDark(bsdf, l.micro(i), wo) ? 1 : 0;
+        l.dark[i] = Kind::Class::isSurelyDark(bsdf, microOf<kLeans<Kind>>(l, i), wo) ? 1 : 0;
         const auto reflected = Kind::Class::reflectedAtNormal(bsdf, wo);
         const bool dark = l.dark[i] != 0;
         l.reflected.set(i, {dark ? reflected.all.x : 0.0F, dark ? reflected.all.y : 0.0F, dark ? reflected.all.z : 0.0F});
@@ -32,7 +32,7 @@ template <class Kind> TAUT_INLINE void visibleLoop(HitLanes &l, const LaneMateri
         typename Kind::Class::Reflected mean{l.reflected.at(i), l.cover[i]};
         const bool dark = l.dark[i] != 0;
         const auto before = mean;
-        Kind::Class::addVisible(bsdf, l.micro(i), l.woLocal.at(i), node, mean);
+        Kind::Class::addVisible(bsdf, microOf<kLeans<Kind>>(l, i), l.woLocal.at(i), node, mean);
         l.reflected.set(i, {dark ? before.all.x : mean.all.x, dark ? before.all.y : mean.all.y, dark ? before.all.z : mean.all.z});
         l.cover[i] = dark ? before.cover : mean.cover;
     }
@@ -65,11 +65,21 @@ template <class Kind> TAUT_INLINE void shareLoop(HitLanes &l, const LaneMaterial
         if constexpr (Kind::kInfo.reads(kMetallicKey)) {
             LobeShares shares;
             shares.kept = l.kept[i];
+            float coat = 0;
+            if constexpr (kLayered<Kind>) {
+                coat = clear_coat::reflectance(l.clearcoat[i], l.coat->woLocal.at(i));
+                shares.under -= coat;
+            }
             MultipleScattering several;
             several.loss = l.loss[i];
             several.probability = l.chance[i];
             several.color = l.severalColor.at(i);
-            Kind::Class::divide(bsdf, {l.reflected.at(i), l.cover[i]}, 0, 0, shares, several);
+            Kind::Class::divide(bsdf, {l.reflected.at(i), l.cover[i]}, 0, coat, shares, several);
+            if constexpr (kLayered<Kind>) {
+                l.coatReflected[i] = coat;
+                l.coated[i] = shares.coat;
+                l.under[i] = shares.under;
+            }
             l.facets[i] = shares.facets;
             l.diffuse[i] = shares.diffuse;
             l.chance[i] = several.probability;
@@ -106,15 +116,18 @@ template <class Loops, class Kind> void setSeveral(HitLanes &l, const LaneMateri
     const bool asks = multiscatterOf(*prepared.material, prepared.multiscatter.model) != Multiscatter::Off;
     for (std::size_t i = 0; i < count; ++i) {
         MultipleScattering several;
+        bool walks = false;
         if (asks) {
             Bsdf bsdf = bsdfAt<Kind>(l, i, material.values);
             bsdf.type = material.bsdf.type;
             bsdf.micro = l.micro(i);
-            bsdf.multiscatter = treatmentAt(prepared, l.metallic[i], bsdf.micro, false);
-            if (bsdf.multiscatter != Multiscatter::Off) several = multiple::prepare(bsdf, l.woLocal.at(i));
+            bsdf.multiscatter = treatmentAt(prepared, l.metallic[i], bsdf.micro, l.leans && l.tilted[i] != 0);
+            walks = bsdf.multiscatter == Multiscatter::Walk;
+            if (bsdf.multiscatter == Multiscatter::Compensation) several = multiple::prepare(bsdf, l.woLocal.at(i));
             if constexpr (Kind::kInfo.reads(kMetallicKey)) Kind::Class::color(bsdf, several);
         }
         l.several[i] = several.treatment == Multiscatter::Compensation ? 1 : 0;
+        l.walks[i] = walks ? 1 : 0;
         l.compensates |= l.several[i] != 0;
         l.loss[i] = several.loss;
         l.lossMean[i] = several.lossMean;
@@ -129,7 +142,7 @@ template <class Loops> void setViewLoss(HitLanes &l) {
     std::size_t count = 0;
     for (std::size_t i = 0; i < static_cast<std::size_t>(l.padded()); ++i) {
         l.viewLoss[i] = 0;
-        if (l.suffices[i] == 0 && l.woLocal.z[i] > 0) asking[count++] = i;
+        if (l.suffices[i] == 0 && l.woLocal.z[i] > 0 && l.micro(i).upright()) asking[count++] = i;
     }
     for (std::size_t first = 0; first < count; first += HitLanes::kStep) {
         Views at;
@@ -164,7 +177,7 @@ template <class Loops, class Kind> void setLobes(HitLanes &l, const LaneMaterial
 
 void lanes::setShares(HitLanes &lanes, const LaneMaterial &material, Instructions instructions) {
     onInstructions(instructions, [&](auto loops) {
-        byKind(material, [&](auto kind) {
+        byKind(lanes, material, [&](auto kind) {
             using Kind = decltype(kind);
             if constexpr (Kind::kInfo.compensates()) setSeveral<decltype(loops), Kind>(lanes, material);
             if constexpr (kHasShares<Kind>) setLobes<decltype(loops), Kind>(lanes, material);

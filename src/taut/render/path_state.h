@@ -78,9 +78,12 @@ struct PathTracer::State {
 
     // Hits that are shaded at once.
     std::vector<LaneMaterial> laneMaterials; ///< [materials]
-    std::vector<unsigned char> plainObjects; ///< [objects]
+    /// How an object's hits are gathered: one by one; at one time, between steps of the shutter, or with a deformation of another kind.
+    enum class LaneObject : std::uint8_t { Alone, Still, Moving, Other };
+    std::vector<LaneObject> laneObjects;     ///< [objects]
     std::vector<std::vector<Index>> waiting; ///< [materials] hits of this event
     std::unique_ptr<HitLanes> lanes = std::make_unique<HitLanes>();
+    std::array<MeshValues, HitLanes::kSize> meshValues; ///< of the lanes, where a material varies
 
     bool hasMedia = false; ///< a material attenuates light inside
     bool hasCones = false; ///< a material looks textures up over footprints
@@ -134,11 +137,16 @@ struct PathTracer::State {
     /// Tells the film what the pixels of a tile see, where it keeps that and has not been told (denoise_probes.cpp).
     void probeTile(const Window &tile, const FilmAccess &access, StageTimes &times);
     class Probes;
+    void seeEmission(Path &path, const Ray &ray, const Hit &hit, const Vec3 &geometricNormal, const Vec3 &emission);
     void shade(int event, Index index, const Ray &ray, const Hit &hit, const std::vector<Aov> &wanted, int aovChannels);
     [[nodiscard]] bool waits(int event, std::size_t i, int aovChannels);
     void prefetch(std::size_t i) const;
+    template <bool kStill> void gatherSurface(std::size_t lane, std::size_t i, bool isPlain);
     void gather(std::size_t lane, std::size_t i);
+    [[nodiscard]] MeshValues meshValuesOf(std::size_t lane, std::size_t i, const PreparedMaterial &prepared) const;
     void lookUp(const LaneMaterial &material, std::span<const Index> chunk);
+    void lookUpSlopes(const SlopeMap &map, std::span<const Index> chunk, HitLanes &into);
+    void seeEmissions(const LaneMaterial &material, std::span<const Index> chunk);
     void shadeAtOnce(int event, const LaneMaterial &material, std::span<const Index> chunk);
     /// What a light's contribution keeps on its way through the medium that the path is in, to a surface's `side` of the viewer (above 0).
     static void attenuate(const Path &path, float side, float distance, Vec3 &contribution) {

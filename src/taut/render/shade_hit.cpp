@@ -10,11 +10,10 @@ void PathTracer::State::connectLight(int event, Index index, const SurfacePoint 
     const LightSample light =
         sampleLight(scene.lights(), choice, point.position, path.time, random2(path, dimensionOf(event, kLightPoint)));
     if (!(light.pdf > 0)) return;
-    const Vec3 wi = point.frame.toLocal(light.direction);
     const float side = glm::dot(light.direction, point.geometricNormal);
-    if (!scattering.mayLeave(wi, side > 0)) return;
+    if (!scattering.mayLeave(light.direction, side > 0)) return;
     Vec3 contribution(0);
-    scattering.forEachPart(wi, walkNumbers(path, point, event), [&](const BsdfEval &part) {
+    scattering.forEachPart(light.direction, walkNumbers(path, point, event), [&](const BsdfEval &part) {
         if (!(part.pdf > 0)) return;
         const float weight = light.delta ? 1.0F : powerHeuristic(light.pdf, part.pdf);
         contribution += path.throughput * part.fCos * light.radiance * (weight / light.pdf);
@@ -24,6 +23,18 @@ void PathTracer::State::connectLight(int event, Index index, const SurfacePoint 
     shadowRays.push_back(shadowRay(offsetOrigin(point, side > 0), point.position, light.direction, light.distance, path.time));
     shadowTests.push_back({index, contribution});
     if (hasGroups()) shadowGroups.push_back(groupOfEntry(choice.entry));
+}
+
+/// What a hit's triangle emits towards the path, weighed against light samples.
+void PathTracer::State::seeEmission(Path &path, const Ray &ray, const Hit &hit, const Vec3 &geometricNormal, const Vec3 &emission) {
+    const Index owner = scene.objectOfGeometry(hit.geometry);
+    const LightPart part = scene.lightPartOf(owner, hit.primitive);
+    float weight = 1;
+    if (path.scatterPdf > 0 && part.entry != kNone) {
+        const float cosine = std::fabs(glm::dot(geometricNormal, ray.direction));
+        weight = powerHeuristic(path.scatterPdf, emitterHitPdf(scene.lights(), part, ray.origin, path.time, hit.t, cosine));
+    }
+    addLight(path, path.throughput * emission * weight, [&] { return groupOf(owner, hit.primitive); });
 }
 
 void PathTracer::State::shade(int event, Index index, const Ray &ray, const Hit &hit, const std::vector<Aov> &wanted, int aovChannels) {
@@ -36,29 +47,19 @@ void PathTracer::State::shade(int event, Index index, const Ray &ray, const Hit 
         if (aovChannels > 0)
             writeAovs(scene, point, wanted, &aovs[static_cast<std::size_t>(index) * static_cast<std::size_t>(aovChannels)]);
     }
-    const auto group = [&] { return groupOf(scene.objectOfGeometry(hit.geometry), hit.primitive); };
-    if (point.emission != Vec3(0)) {
-        const LightPart part = scene.lightPartOf(scene.objectOfGeometry(hit.geometry), hit.primitive);
-        float weight = 1;
-        if (path.scatterPdf > 0 && part.entry != kNone) {
-            const float cosine = std::fabs(glm::dot(point.geometricNormal, ray.direction));
-            const float pdf = emitterHitPdf(scene.lights(), part, ray.origin, path.time, hit.t, cosine);
-            weight = powerHeuristic(path.scatterPdf, pdf);
-        }
-        addLight(path, path.throughput * point.emission * weight, group);
-    }
-    if (!point.scatters) addLight(path, path.throughput * point.baseColor, group);
+    if (point.emission != Vec3(0)) seeEmission(path, ray, hit, point.geometricNormal, point.emission);
+    if (!point.scatters)
+        addLight(path, path.throughput * point.baseColor, [&] { return groupOf(scene.objectOfGeometry(hit.geometry), hit.primitive); });
     if (event >= settings.maxEvents || !point.scatters) return;
 
-    const Vec3 wo = point.frame.toLocal(-ray.direction);
-    const FacetScattering scattering(point.bsdf, point.tilted ? &point.facet : nullptr, wo);
+    const FacetScattering scattering(point.bsdf, point.facet, point.tilted ? &point.geometricNormal : nullptr, -ray.direction);
     connectLight(event, index, point, scattering);
 
     const auto sampled =
         scattering.sample(random2(path, dimensionOf(event, kScatterDirection)), random1(path, dimensionOf(event, kScatterLobe)),
                           walkSeed(path, point, dimensionOf(event, kScatterLobe)));
     if (!sampled) return;
-    const Vec3 direction = glm::normalize(point.frame.fromLocal(sampled->wi));
+    const Vec3 direction = glm::normalize(sampled->wi);
     const float side = glm::dot(direction, point.geometricNormal);
     if ((side > 0) == sampled->transmitted) return;
     path.throughput *= sampled->weight;

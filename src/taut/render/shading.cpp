@@ -1,6 +1,5 @@
 #include "taut/render/shading.h"
 
-#include "taut/microsurface/roughening.h"
 #include "taut/render/facet.h"
 #include "taut/render/ray_cone.h"
 #include "taut/scene/material_gloss.h"
@@ -20,41 +19,49 @@ MicroTransform microAt(const Material &material, const RestRoughness &rest, cons
     return transformAt(material, rest, point.stretch, point.tangent, sense, leans ? &point.lean : nullptr);
 }
 
+/// Where a material is looked at.
+struct FacetPlace {
+    const Scene &scene;
+    const SurfacePoint &point;
+    const InterpolatedSurface &at;
+    float sense; ///< SurfaceGeometry
+};
+
 /// The facet that a map makes of the point for this rest roughness, roughened by its strain.
-HitFacet roughFacetAt(const Material &material, const RestRoughness &rest, const SlopeMap &map, const SlopePlace &place) {
+HitFacet roughFacetAt(const Material &material, const RestRoughness &rest, const SlopeMap &map, const FacetPlace &place) {
     const SurfacePoint &point = place.point;
     const MicroTransform plain = microAt(material, rest, point, place.sense);
-    HitFacet facet = facetAt(material, rest, slopesAt(map, place), point, place.sense, plain);
-    if (point.strain > 0)
-        facet.micro = roughened(facet.micro, addedAlpha(static_cast<double>(point.strain), static_cast<double>(material.roughening),
-                                                        static_cast<double>(material.yield)));
+    const SlopeStatistics slopes = slopesAt(map, {place.scene, *point.object, point.corners, point.uv, place.at});
+    HitFacet facet = facetAt(material, rest, slopes, point, place.sense, plain);
+    if (point.strain > 0) facet.micro = roughenedBy(material, point.strain, facet.micro);
     return facet;
 }
 
 /// The coat's facet, in the frame of the base's.
-void setCoat(const Material &material, const SlopePlace &place, const HitFacet &base, Bsdf &bsdf) {
-    const float alpha = glm::clamp(sqr(evaluate(material.clearcoatRoughness, place.scene, place.point.uv)), kLeastAlpha, 1.0F);
+void setCoat(const Material &material, const FacetPlace &place, Bsdf &bsdf) {
+    const SurfacePoint &point = place.point;
+    const float alpha = coatAlpha(material, place.scene, point.uv);
     const HitFacet coat = roughFacetAt(material, {alpha, alpha, 0}, material.coatSlopes, place);
     bsdf.coatMicro = coat.micro;
-    bsdf.coatTilted = base.tilted || coat.tilted;
-    if (bsdf.coatTilted)
-        bsdf.coatFrame = {base.frame.toLocal(coat.frame.s), base.frame.toLocal(coat.frame.t), base.frame.toLocal(coat.frame.n)};
+    bsdf.coatTilted = point.tilted || coat.tilted;
+    if (bsdf.coatTilted) bsdf.coatFrame = point.facet.toLocal(coat.tilted ? point.frame.fromLocal(coat.frame) : point.frame);
 }
 
 /// What scatters at the point, and the facet that it is on.
-void setBsdf(const PreparedMaterial &prepared, const SlopePlace &place, SurfacePoint &point) {
+void setBsdf(const PreparedMaterial &prepared, const FacetPlace &place, SurfacePoint &point) {
     const Scene &scene = place.scene;
     const Material &material = *prepared.material;
+    point.facet = point.frame;
     Bsdf &bsdf = point.bsdf = bsdfOf(prepared, valuesAt(prepared, scene, point.baseColor, point.uv), point.facing);
     const bool glossy = bsdfInfo(material.type).microsurface;
     if (!glossy && !material.slopes.isGiven()) return;
     const RestRoughness rest = glossy ? restRoughness(material, scene, point.uv) : RestRoughness{1, 1, 0};
     const HitFacet facet = roughFacetAt(material, rest, material.slopes, place);
     point.tilted = facet.tilted;
-    if (facet.tilted) point.facet = {facet.frame, point.frame.toLocal(point.geometricNormal)};
+    if (facet.tilted) point.facet = point.frame.fromLocal(facet.frame);
     if (!glossy) return;
     bsdf.micro = facet.micro;
-    if (bsdf.coat > 0) setCoat(material, place, facet, bsdf);
+    if (bsdf.coat > 0) setCoat(material, place, bsdf);
     bsdf.multiscatter = treatmentAt(prepared, bsdf.metallic, bsdf.micro, facet.tilted);
 }
 
@@ -65,33 +72,33 @@ Vec3 extinctionOf(const Material &material) {
     return -glm::log(glm::clamp(material.attenuationColor, Vec3(kDarkest), Vec3(1))) / material.attenuationDistance;
 }
 
-/// V, the rotated tangent and the lean at the point, in its frame.
-void deformationAt(const RenderObject &object, const HitCorners<false> &corners, SurfacePoint &point) {
+} // namespace
+
+HitDeformation deformationAt(const RenderObject &object, const HitCorners<false> &corners, const SurfaceGeometry &at) {
+    HitDeformation d;
+    d.tangent = at.tangent;
     const SurfaceStep &step = corners.step();
-    const Vec3 &s = point.frame.s;
-    const Vec3 &t = point.frame.t;
     if (!step.ds.empty()) {
         const Vec3 ds = corners.interpolate(&SurfaceStep::ds);
         const Vec3 dt = corners.interpolate(&SurfaceStep::dt);
-        const PlanarPolar polar = polarInFrame({glm::dot(s, ds), glm::dot(t, ds)}, {glm::dot(s, dt), glm::dot(t, dt)});
-        point.stretch = polar.stretch;
-        point.tangent = polar.tangent;
+        const PlanarPolar polar = polarInFrame({glm::dot(at.s, ds), glm::dot(at.t, ds)}, {glm::dot(at.s, dt), glm::dot(at.t, dt)});
+        d.stretch = polar.stretch;
+        d.tangent = polar.tangent;
     } else if (!step.stretch.empty()) {
-        point.stretch = decodeStretch(corners.stretchIsConstant() ? GradientInterpolation::Stretch : object.plan.interpolation,
-                                      corners.stretch(), s, t);
+        d.stretch = decodeStretch(corners.stretchIsConstant() ? GradientInterpolation::Stretch : object.plan.interpolation,
+                                  corners.stretch(), at.s, at.t);
     }
     if (object.roughens) {
         const float lambda = step.inverseLambda.empty() ? 1.0F : 1 / corners.interpolate(&SurfaceStep::inverseLambda);
-        const Vec3 v = point.stretch * lambda;
+        const Vec3 v = d.stretch * lambda;
         const Vec2 sigma = singularValues(v.x, v.y, v.y, v.z);
-        point.strain = static_cast<float>(equivalentStrain(static_cast<double>(sigma.x), static_cast<double>(sigma.y)));
+        d.strain = static_cast<float>(equivalentStrain(static_cast<double>(sigma.x), static_cast<double>(sigma.y)));
     }
-    if (step.lean.empty()) return;
-    const Vec3 lean = corners.interpolate(&SurfaceStep::lean) * point.facing;
-    point.lean = {glm::dot(s, lean), glm::dot(t, lean)};
+    if (step.lean.empty()) return d;
+    const Vec3 lean = corners.interpolate(&SurfaceStep::lean) * at.facing;
+    d.lean = {glm::dot(at.s, lean), glm::dot(at.t, lean)};
+    return d;
 }
-
-} // namespace
 
 std::vector<PreparedMaterial> prepareMaterials(const Scene &scene, const ScenePlan &plan) {
     std::vector<PreparedMaterial> prepared;
@@ -172,6 +179,17 @@ MeshValues meshValuesAt(const RenderObject &object, const Hit &hit, const Interp
     return mesh;
 }
 
+bool mayEmit(const RenderObject &object, Index triangle) {
+    const Object &source = *object.object;
+    if (source.slotEmission.empty() && source.emission.value == Vec3(0)) return false;
+    return emissionOf(source, slotOfTriangle(object, triangle)).radiance.value != Vec3(0);
+}
+
+Vec3 emissionAt(const RenderObject &object, Index triangle, const Scene &scene, float facing, const UvPoint &uv) {
+    const Emission emission = emissionOf(*object.object, slotOfTriangle(object, triangle));
+    return facing > 0 || emission.twoSided ? evaluate(emission.radiance, scene, uv) : Vec3(0);
+}
+
 Multiscatter treatmentAt(const PreparedMaterial &prepared, float metallic, const MicroTransform &m, bool tilted) {
     // As multiscatterOf() has it for a whole material, where a texture says so.
     const bool isPaint = bsdfInfo(prepared.material->type).reads(kMetallicKey) && metallic == 0;
@@ -203,8 +221,7 @@ SurfacePoint surfacePointAt(const RenderScene &scene, const std::vector<Prepared
     point.clearance = geometry.clearance;
     point.facing = geometry.facing;
     point.frame = Frame(geometry.s, geometry.t, geometry.n);
-    point.tangent = geometry.tangent;
-    deformationAt(object, corners, point);
+    static_cast<HitDeformation &>(point) = deformationAt(object, corners, geometry);
 
     const PreparedMaterial &material = materials[materialOfTriangle(object, hit.primitive)];
     const MeshValues mesh = meshValuesAt(object, hit, at, wo, material.filters ? coneWidth : 0.0F);
@@ -213,12 +230,8 @@ SurfacePoint surfacePointAt(const RenderScene &scene, const std::vector<Prepared
     point.baseColor = baseColorAt(*material.material, scene.scene(), mesh);
     setBsdf(material, {scene.scene(), point, at, geometry.sense}, point);
     if (point.bsdf.refracts && point.facing > 0) point.extinction = material.extinction;
-    const Object &source = *object.object;
     point.scatters = !material.material->unlit;
-    if (source.slotEmission.empty() && source.emission.value == Vec3(0)) return point;
-    const Emission emission = emissionOf(source, slotOfTriangle(object, hit.primitive));
-    if (emission.radiance.value != Vec3(0) && (point.facing > 0 || emission.twoSided))
-        point.emission = evaluate(emission.radiance, scene.scene(), point.uv);
+    if (mayEmit(object, hit.primitive)) point.emission = emissionAt(object, hit.primitive, scene.scene(), point.facing, point.uv);
     return point;
 }
 

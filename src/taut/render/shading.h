@@ -9,15 +9,24 @@
 
 namespace taut {
 
+/// What a deforming mesh does at a hit, in the shading frame.
+struct HitDeformation {
+    Vec3 stretch{1, 0, 1}; ///< V: ss, st, tt
+    Vec2 lean{0};          ///< column 3 of M; zero unless the mesh leans
+    Vec2 tangent{1, 0};    ///< R t0, the rotated tangent; unit
+    float strain = 0;      ///< equivalentStrain() of A, where a material asks for it
+};
+HitDeformation deformationAt(const RenderObject &object, const HitCorners<false> &corners, const SurfaceGeometry &at);
+
 /// A surface point in render space, seen from one side.
-struct SurfacePoint {
+struct SurfacePoint : HitDeformation {
     Vec3 position;
     Vec3 geometricNormal; ///< unit, towards the viewer
     float clearance = 0;  ///< distance from the surface at which a ray may start, see offsetOrigin()
     Frame frame;          ///< shading frame: a function of the shading normal alone, so that nothing sampled in it depends on how
                           ///< the surface is parametrised; n on the geometric normal's side
-    TiltedFacet facet;    ///< that of `bsdf`, where a map tilts it
-    bool tilted = false;  ///< else the facet is the mesh
+    Frame facet;          ///< that of `bsdf`: the shading frame but where a map tilts it
+    bool tilted = false;  ///< whether one does
     Bsdf bsdf;
     UvPoint uv;
     Vec4 color{1};        ///< of the mesh itself, linear RGBA
@@ -26,10 +35,6 @@ struct SurfacePoint {
     bool scatters = true; ///< false: unlit, the base colour is what is seen
     Vec3 extinction{0};   ///< of the medium beyond the surface, where light is refracted into it; a unit of length
     // For AOVs.
-    Vec3 stretch{1, 0, 1}; ///< V in the frame: ss, st, tt
-    Vec2 lean{0};          ///< column 3 of M in the frame; zero unless the mesh leans
-    Vec2 tangent{1, 0};    ///< R t0, the rotated tangent, in the frame; unit
-    float strain = 0;      ///< equivalentStrain() of A, where a material asks for it
     Vec3 baseColor{0};
     const RenderObject *object = nullptr;
     Index3 corners{0};
@@ -60,6 +65,9 @@ struct MeshValues {
 };
 /// `at`: the point there; `wo`: unit, back along the ray; `coneWidth`: what a pixel sees, across the ray; 0: a point.
 MeshValues meshValuesAt(const RenderObject &object, const Hit &hit, const InterpolatedSurface &at, const Vec3 &wo, float coneWidth);
+/// Whether a triangle emits, on either side; and the radiance that leaves it to the side it is seen from, SurfaceGeometry::facing.
+bool mayEmit(const RenderObject &object, Index triangle);
+Vec3 emissionAt(const RenderObject &object, Index triangle, const Scene &scene, float facing, const UvPoint &uv);
 /// A material's colour there.
 inline Vec3 baseColorAt(const Material &material, const Scene &scene, const MeshValues &mesh) {
     Vec3 color = evaluateShare(material.color, scene, mesh.uv);

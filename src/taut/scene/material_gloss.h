@@ -1,7 +1,7 @@
 #pragma once
 /// A material's parameters at a point, and its M there. In the header: it is what shading does at every hit.
 
-#include "taut/microsurface/transform.h"
+#include "taut/microsurface/roughening.h"
 #include "taut/scene/ranges.h"
 #include "taut/scene/scene.h"
 
@@ -50,6 +50,17 @@ inline RestRoughness restRoughness(const Material &material, const Scene &scene,
     r.alphaX = glm::clamp(r.alphaX, kLeastAlpha, kMostAlpha);
     r.alphaY = glm::clamp(r.alphaY, kLeastAlpha, kMostAlpha);
     return r;
+}
+
+/// Alpha of a clear coat at uv.
+inline float coatAlpha(const Material &material, const Scene &scene, const UvPoint &uv) {
+    return glm::clamp(sqr(evaluate(material.clearcoatRoughness, scene, uv)), kLeastAlpha, 1.0F);
+}
+
+/// M of a material that its strain roughens.
+inline MicroTransform roughenedBy(const Material &material, float strain, const MicroTransform &m) {
+    return roughened(
+        m, addedAlpha(static_cast<double>(strain), static_cast<double>(material.roughening), static_cast<double>(material.yield)));
 }
 
 /// Unit direction of the rest material's x axis in a frame: the tangent turned by the material's rotation (cosine, sine), to the side of

@@ -1,0 +1,62 @@
+#pragma once
+/// Scenes whose hits are shaded at once, and pictures of them shaded either way.
+
+#include "render_fixtures.h"
+
+#include "taut/render/hit_lanes.h"
+
+namespace taut::test {
+
+inline std::vector<float> imageOf(const Scene &scene, bool oneByOne, bool animated, int spp) {
+    RenderScene ready(scene, animated);
+    StageTimes times;
+    ready.setFrame(2, times);
+    FrameOptions options;
+    options.spp = spp;
+    options.seed = 3;
+    options.oneByOne = oneByOne;
+    return renderFrame(ready, options).film.resolve();
+}
+
+/// A sheared torus over a plate that reflects it, under a quad and a sky.
+inline Scene laneScene(const Material &material) {
+    Scene scene = smallScene(shearedTorus(40, 20), material);
+    scene.materials.push_back(ggxMaterial(0.1F, 0.3F));
+    scene.objects.push_back(makeObject(makeGrid(3, 3, 4), 1));
+    scene.objects[1].placement.translation = Keyed<DVec3>(DVec3(0, 0, -0.4));
+    scene.render.maxEvents = 6;
+    return scene;
+}
+
+/// Rows of coloured squares; what a scene's textures are in the tests below.
+inline Texture chequered(float from, float to, int size = 8) {
+    std::vector<float> texels;
+    for (int i = 0; i < size * size; ++i) {
+        const float t = static_cast<float>((i * 7 + i / size * 3) % 11) / 10;
+        texels.insert(texels.end(), {glm::mix(from, to, t), glm::mix(from, to, 1 - t), glm::mix(from, to, t * t)});
+    }
+    Texture texture;
+    texture.name = "chequered";
+    texture.width = texture.height = size;
+    texture.texels = std::move(texels);
+    return texture;
+}
+
+/// The scene with textures: shares, turns.
+inline Scene textured(const Material &material) {
+    Scene s = laneScene(material);
+    s.textures = {chequered(0.02F, 0.98F), chequered(-2, 2)};
+    return s;
+}
+
+inline Material plain(BsdfType type, float alphaX, float alphaY, float rotation) {
+    Material m = ggxMaterial(alphaX, alphaY, rotation);
+    m.type = type;
+    m.color.value = Vec3(0.9F, 0.7F, 0.4F);
+    m.conductorEta = Vec3(0.2F, 0.9F, 1.1F);
+    m.conductorK = Vec3(3.9F, 2.5F, 2.2F);
+    m.multiscatter = Multiscatter::Off;
+    return m;
+}
+
+} // namespace taut::test
