@@ -28,7 +28,7 @@ struct Seen {
         coat.m, coat.lobe, coat.wo, wi, [&](float /*cosine*/) __attribute__((always_inline)) { return Vec3(reflected); });
     return {Vec3(others.fCos.x + e.fCos.x, others.fCos.y + e.fCos.y, others.fCos.z + e.fCos.z), others.pdf + samples * e.pdf};
 }
-/// The same without a branch: the others alone where there is none of it.
+/// Without a branch: the others alone where there is none of it.
 [[gnu::always_inline]] inline BsdfEval aboveWhere(const BsdfEval &others, const Seen &coat, float samples, const Vec3 &wi) {
     const BsdfEval both = above(others, coat, samples, wi);
     const bool there = (samples > 0) & (wi.z > 0);

@@ -158,11 +158,39 @@ void PathTracer::State::seeEmissions(const LaneMaterial &material, std::span<con
     for (std::size_t k = 0; k < chunk.size(); ++k) {
         const Hit &hit = hits[chunk[k]];
         const RenderObject &object = scene.objects()[scene.objectOfGeometry(hit.geometry)];
-        if (l.walks[k] != 0 || !mayEmit(object, hit.primitive)) continue;
+        if (!mayEmit(object, hit.primitive)) continue;
         const UvPoint uv = material.varies ? meshValues[k].uv : meshValuesOf(k, chunk[k], *material.prepared).uv;
         const Vec3 emission = emissionAt(object, hit.primitive, scene.scene(), l.facing[k], uv);
         if (emission != Vec3(0)) seeEmission(paths[l.path[k]], rays[chunk[k]], hit, l.geometricNormal.at(k), emission);
     }
+}
+
+/// A lane whose light of several facets is followed, as a hit alone; what scattering asks for.
+SurfacePoint PathTracer::State::pointOf(std::size_t lane, const LaneMaterial &material) const {
+    const HitLanes &l = *lanes;
+    MaterialValues values = material.values;
+    values.color = l.color.at(lane);
+    values.metallic = l.metallic[lane];
+    if (material.layered) {
+        values.specular = l.specular[lane];
+        values.specularColor = l.specularColor.at(lane);
+        values.clearcoat = l.clearcoat[lane];
+    }
+    SurfacePoint point;
+    point.position = l.position.at(lane);
+    point.geometricNormal = l.geometricNormal.at(lane);
+    point.clearance = l.clearance[lane];
+    point.facet = Frame(l.s.at(lane), l.t.at(lane), l.n.at(lane));
+    point.tilted = l.leans && l.tilted[lane] != 0;
+    point.bsdf = bsdfOf(*material.prepared, values, l.facing[lane]);
+    point.bsdf.micro = l.micro(lane);
+    point.bsdf.multiscatter = Multiscatter::Walk;
+    if (!(point.bsdf.coat > 0)) return point;
+    const HitLanes &coat = *l.coat;
+    point.bsdf.coatMicro = coat.micro(lane);
+    point.bsdf.coatTilted = coat.tilted[lane] != 0;
+    point.bsdf.coatFrame = Frame(coat.s.at(lane), coat.t.at(lane), coat.n.at(lane));
+    return point;
 }
 
 void PathTracer::State::shadeAtOnce(int event, const LaneMaterial &material, std::span<const Index> chunk) {
@@ -188,7 +216,7 @@ void PathTracer::State::shadeAtOnce(int event, const LaneMaterial &material, std
     const bool glossy = bsdfInfo(material.bsdf.type).microsurface;
     for (std::size_t k = 0; k < chunk.size(); ++k) {
         if (l.walks[k] != 0) {
-            shade(event, l.path[k], rays[chunk[k]], hits[chunk[k]], {}, 0);
+            scatter(event, l.path[k], pointOf(k, material), l.wo.at(k), hits[chunk[k]].t);
             continue;
         }
         Path &path = paths[l.path[k]];

@@ -139,6 +139,7 @@ struct PathTracer::State {
     class Probes;
     void seeEmission(Path &path, const Ray &ray, const Hit &hit, const Vec3 &geometricNormal, const Vec3 &emission);
     void shade(int event, Index index, const Ray &ray, const Hit &hit, const std::vector<Aov> &wanted, int aovChannels);
+    void scatter(int event, Index index, const SurfacePoint &point, const Vec3 &wo, float distance);
     [[nodiscard]] bool waits(int event, std::size_t i, int aovChannels);
     void prefetch(std::size_t i) const;
     template <bool kStill> void gatherSurface(std::size_t lane, std::size_t i, bool isPlain);
@@ -146,6 +147,7 @@ struct PathTracer::State {
     [[nodiscard]] MeshValues meshValuesOf(std::size_t lane, std::size_t i, const PreparedMaterial &prepared) const;
     void lookUp(const LaneMaterial &material, std::span<const Index> chunk);
     void lookUpSlopes(const SlopeMap &map, std::span<const Index> chunk, HitLanes &into);
+    [[nodiscard]] SurfacePoint pointOf(std::size_t lane, const LaneMaterial &material) const;
     void seeEmissions(const LaneMaterial &material, std::span<const Index> chunk);
     void shadeAtOnce(int event, const LaneMaterial &material, std::span<const Index> chunk);
     /// What a light's contribution keeps on its way through the medium that the path is in, to a surface's `side` of the viewer (above 0).

@@ -50,9 +50,13 @@ void PathTracer::State::shade(int event, Index index, const Ray &ray, const Hit 
     if (point.emission != Vec3(0)) seeEmission(path, ray, hit, point.geometricNormal, point.emission);
     if (!point.scatters)
         addLight(path, path.throughput * point.baseColor, [&] { return groupOf(scene.objectOfGeometry(hit.geometry), hit.primitive); });
-    if (event >= settings.maxEvents || !point.scatters) return;
+    if (event < settings.maxEvents && point.scatters) scatter(event, index, point, -ray.direction, hit.t);
+}
 
-    const FacetScattering scattering(point.bsdf, point.facet, point.tilted ? &point.geometricNormal : nullptr, -ray.direction);
+/// Samples a light from the point and the path's next ray, `distance` from where it comes from.
+void PathTracer::State::scatter(int event, Index index, const SurfacePoint &point, const Vec3 &wo, float distance) {
+    Path &path = paths[index];
+    const FacetScattering scattering(point.bsdf, point.facet, point.tilted ? &point.geometricNormal : nullptr, wo);
     connectLight(event, index, point, scattering);
 
     const auto sampled =
@@ -65,7 +69,7 @@ void PathTracer::State::shade(int event, Index index, const Ray &ray, const Hit 
     path.throughput *= sampled->weight;
     path.etaScale *= sampled->etaScale;
     path.scatterPdf = sampled->pdf;
-    if (hasCones) path.cone.scatter(hit.t, bsdfInfo(point.bsdf.type).microsurface ? 1 / std::sqrt(point.bsdf.micro.det) : 1.0F);
+    if (hasCones) path.cone.scatter(distance, bsdfInfo(point.bsdf.type).microsurface ? 1 / std::sqrt(point.bsdf.micro.det) : 1.0F);
     if (sampled->transmitted && point.bsdf.refracts) path.extinction = point.extinction; // none beyond a back face
     const float chance = chanceToGoOn(path.throughput, path.etaScale);
     if (!(random1(path, dimensionOf(event, kRoulette)) < chance)) return;
