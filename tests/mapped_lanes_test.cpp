@@ -131,6 +131,22 @@ TEST_CASE("Mapped facets at once give the picture of one by one", "[render][lane
     checkPictures(cases);
 }
 
+TEST_CASE("Walks from what was gathered give the picture of one by one", "[render][lanes]") {
+    std::vector<Case> cases;
+    for (const auto treatment : {Multiscatter::Walk, Multiscatter::Auto})
+        for (const BsdfType type : {BsdfType::Conductor, BsdfType::Metal, BsdfType::Dielectric, BsdfType::MetallicRoughness})
+            for (const bool mapped : {false, true})
+                add(cases, "kind " + std::to_string(static_cast<int>(type)) + (mapped ? ", mapped" : ""), plain(type, 0.9F, 0.6F, 0.3F),
+                    [&](Scene &, Material &m) {
+                        m.multiscatter = treatment;
+                        m.alphaX.texture = m.alphaY.texture = kShares;
+                        m.metallic = {1, kShares, 1};
+                        if (mapped) m.slopes = {SlopeMap::Kind::Normal, kNormals, 1};
+                        m.clearcoat.value = mapped ? 0.5F : 0.0F;
+                    });
+    checkPictures(cases);
+}
+
 TEST_CASE("Coats and numbers of KHR_materials_specular at once give the picture of one by one", "[render][lanes]") {
     std::vector<Case> cases;
     const auto coated = [](float share, float roughness) {

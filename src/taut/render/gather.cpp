@@ -210,9 +210,11 @@ void PathTracer::State::shadeAtOnce(int event, const LaneMaterial &material, std
     const bool lit = numbers.lights > 0;
     lanes::view(l, material, numbers);
     seeEmissions(material, chunk);
-    if (lit) lanes::aim(l, scene.lights());
-    if (lit) lanes::connect(l, material);
-    lanes::scatter(l, material);
+    if (!l.allWalk()) {
+        if (lit) lanes::aim(l, scene.lights());
+        if (lit) lanes::connect(l, material);
+        lanes::scatter(l, material);
+    }
     const bool glossy = bsdfInfo(material.bsdf.type).microsurface;
     for (std::size_t k = 0; k < chunk.size(); ++k) {
         if (l.walks[k] != 0) {

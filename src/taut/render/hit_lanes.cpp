@@ -132,12 +132,6 @@ bool goesAlone(const Material &m) {
     return m.transmission.value > 0 || m.sheenColor.value != Vec3(0) || m.iridescence.value > 0;
 }
 
-/// Whether none of its upright hits is to be walked.
-bool needsNoWalk(const PreparedMaterial &prepared) {
-    const Multiscatter model = multiscatterOf(*prepared.material, prepared.multiscatter.model);
-    return model == Multiscatter::Off || (model != Multiscatter::Walk && bsdfInfo(prepared.material->type).compensates());
-}
-
 } // namespace
 
 LaneMaterial laneMaterial(const PreparedMaterial &prepared) {
@@ -146,7 +140,6 @@ LaneMaterial laneMaterial(const PreparedMaterial &prepared) {
     const BsdfInfo &info = bsdfInfo(m.type);
     if (!info.lanes || m.unlit) return lane;
     if (info.refracts && fresnel::isMatched(m.ior)) return lane; // passes light straight on (bsdf.h)
-    if (info.microsurface && !needsNoWalk(prepared)) return lane;
     if (info.reads(kMetallicKey) && goesAlone(m)) return lane;
     static const Scene kNoTextures;
     lane.inLanes = true;

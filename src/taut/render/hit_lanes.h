@@ -14,6 +14,7 @@
 #include "taut/microsurface/reflection_sampler.h"
 #include "taut/render/shading.h"
 
+#include <algorithm>
 #include <memory>
 #include <vector>
 
@@ -75,7 +76,7 @@ struct alignas(64) HitLanes {
     int dark[kSize], suffices[kSize];
     bool compensates = false; ///< light of several facets is given back in one of the lanes: MultipleScattering, 0 in the others
     int several[kSize];       ///< whether, in that lane
-    int walks[kSize];         ///< 1: it is to be followed, by shading this lane's hit alone; of kinds that compensate
+    int walks[kSize];         ///< 1: it is to be followed, by scattering from this lane alone
     float loss[kSize], lossMean[kSize], chance[kSize];
     Vectors severalColor;
     float compensation[kSize]; ///< multiple::compensation of a direction
@@ -107,6 +108,9 @@ struct alignas(64) HitLanes {
 
     /// Lanes that loops run over.
     [[nodiscard]] int padded() const { return (count + kStep - 1) / kStep * kStep; }
+    [[nodiscard]] bool allWalk() const {
+        return std::all_of(walks, walks + count, [](int one) { return one != 0; });
+    }
     [[nodiscard]] MicroTransform micro(std::size_t i) const {
         return {a[i], b[i], d[i], leans ? p[i] : 0.0F, leans ? q[i] : 0.0F, inverseA[i], inverseD[i], det[i]};
     }

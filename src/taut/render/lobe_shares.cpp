@@ -179,7 +179,8 @@ void lanes::setShares(HitLanes &lanes, const LaneMaterial &material, Instruction
     onInstructions(instructions, [&](auto loops) {
         byKind(lanes, material, [&](auto kind) {
             using Kind = decltype(kind);
-            if constexpr (Kind::kInfo.compensates()) setSeveral<decltype(loops), Kind>(lanes, material);
+            if constexpr (Kind::kInfo.manyFacets) setSeveral<decltype(loops), Kind>(lanes, material);
+            if (lanes.allWalk()) return;
             if constexpr (kHasShares<Kind>) setLobes<decltype(loops), Kind>(lanes, material);
         });
     });
