@@ -5,6 +5,8 @@
 
 #include "study/scenes/relief.h"
 
+#include <tbb/global_control.h>
+
 #include <algorithm>
 
 using namespace taut;
@@ -36,6 +38,8 @@ void checkPictures(const std::vector<Case> &cases) {
             const std::vector<float> atOnce = imageOf(c.scene, false, animated, 8);
             CHECK(atOnce == imageOf(c.scene, true, animated, 8));
             CHECK(*std::max_element(atOnce.begin(), atOnce.end()) > 0.2F);
+            const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+            CHECK(atOnce == imageOf(c.scene, false, animated, 8));
         }
 }
 
@@ -144,6 +148,42 @@ TEST_CASE("Walks from what was gathered give the picture of one by one", "[rende
                         if (mapped) m.slopes = {SlopeMap::Kind::Normal, kNormals, 1};
                         m.clearcoat.value = mapped ? 0.5F : 0.0F;
                     });
+    checkPictures(cases);
+}
+
+TEST_CASE("What no loop knows scatters from what was gathered, as one by one", "[render][lanes]") {
+    std::vector<Case> cases;
+    using Change = void (*)(Material &);
+    const std::pair<const char *, Change> kinds[] = {{"fibres",
+                                                      [](Material &m) {
+                                                          m.sheenColor = {Vec3(0.8F, 0.3F, 0.4F), kShares};
+                                                      }},
+                                                     {"a film",
+                                                      [](Material &m) {
+                                                          m.iridescence = {1, kShares, 0};
+                                                      }},
+                                                     {"passes straight on",
+                                                      [](Material &m) {
+                                                          m.transmission = {0.8F, kShares, 1};
+                                                      }},
+                                                     {"a volume", [](Material &m) {
+                                                          m.transmission.value = 1;
+                                                          m.thinWalled = false;
+                                                          m.attenuationColor = Vec3(0.9F, 0.5F, 0.2F);
+                                                          m.attenuationDistance = 0.3F;
+                                                      }}};
+    for (const auto &[name, change] : kinds)
+        for (const bool mapped : {false, true})
+            add(cases, std::string(name) + (mapped ? ", mapped and coated" : ""), paint(), [&](Scene &, Material &m) {
+                change(m);
+                m.metallic = {0.5F, kShares, 2};
+                if (mapped) m.slopes = {SlopeMap::Kind::Normal, kNormals, 1};
+                m.clearcoat.value = mapped ? 0.5F : 0.0F;
+            });
+    add(cases, "thin glass", plain(BsdfType::ThinGlass, 0.2F, 0.3F, 0.1F), [](Scene &, Material &) {});
+    add(cases, "thin glass, mapped", plain(BsdfType::ThinGlass, 0.2F, 0.3F, 0.1F), [](Scene &, Material &m) {
+        m.slopes = {SlopeMap::Kind::Normal, kNormals, 1};
+    });
     checkPictures(cases);
 }
 

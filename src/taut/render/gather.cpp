@@ -165,26 +165,22 @@ void PathTracer::State::seeEmissions(const LaneMaterial &material, std::span<con
     }
 }
 
-/// A lane whose light of several facets is followed, as a hit alone; what scattering asks for.
+/// A lane that scatters by itself: what that asks for.
 SurfacePoint PathTracer::State::pointOf(std::size_t lane, const LaneMaterial &material) const {
     const HitLanes &l = *lanes;
-    MaterialValues values = material.values;
-    values.color = l.color.at(lane);
-    values.metallic = l.metallic[lane];
-    if (material.layered) {
-        values.specular = l.specular[lane];
-        values.specularColor = l.specularColor.at(lane);
-        values.clearcoat = l.clearcoat[lane];
-    }
+    const PreparedMaterial &prepared = *material.prepared;
+    const UvPoint uv = material.varies ? meshValues[lane].uv : UvPoint();
     SurfacePoint point;
     point.position = l.position.at(lane);
     point.geometricNormal = l.geometricNormal.at(lane);
     point.clearance = l.clearance[lane];
     point.facet = Frame(l.s.at(lane), l.t.at(lane), l.n.at(lane));
     point.tilted = l.leans && l.tilted[lane] != 0;
-    point.bsdf = bsdfOf(*material.prepared, values, l.facing[lane]);
+    point.bsdf = bsdfOf(prepared, valuesAt(prepared, scene.scene(), l.color.at(lane), uv), l.facing[lane]);
+    if (point.bsdf.refracts && l.facing[lane] > 0) point.extinction = prepared.extinction;
+    if (!bsdfInfo(prepared.material->type).microsurface) return point;
     point.bsdf.micro = l.micro(lane);
-    point.bsdf.multiscatter = Multiscatter::Walk;
+    point.bsdf.multiscatter = treatmentAt(prepared, point.bsdf.metallic, point.bsdf.micro, point.tilted);
     if (!(point.bsdf.coat > 0)) return point;
     const HitLanes &coat = *l.coat;
     point.bsdf.coatMicro = coat.micro(lane);
@@ -210,14 +206,14 @@ void PathTracer::State::shadeAtOnce(int event, const LaneMaterial &material, std
     const bool lit = numbers.lights > 0;
     lanes::view(l, material, numbers);
     seeEmissions(material, chunk);
-    if (!l.allWalk()) {
+    if (!l.allAlone()) {
         if (lit) lanes::aim(l, scene.lights());
         if (lit) lanes::connect(l, material);
         lanes::scatter(l, material);
     }
     const bool glossy = bsdfInfo(material.bsdf.type).microsurface;
     for (std::size_t k = 0; k < chunk.size(); ++k) {
-        if (l.walks[k] != 0) {
+        if (l.alone[k] != 0) {
             scatter(event, l.path[k], pointOf(k, material), l.wo.at(k), hits[chunk[k]].t);
             continue;
         }

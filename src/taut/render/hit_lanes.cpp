@@ -127,7 +127,7 @@ TAUT_INLINE void numbersLoop(HitLanes &l, const EventNumbers &numbers) {
     };
 TAUT_FOR_INSTRUCTION_SETS(TAUT_LOOPS)
 
-/// Fibres, films and what passes go one by one.
+/// Fibres, films and what passes scatter one by one.
 bool goesAlone(const Material &m) {
     return m.transmission.value > 0 || m.sheenColor.value != Vec3(0) || m.iridescence.value > 0;
 }
@@ -138,20 +138,21 @@ LaneMaterial laneMaterial(const PreparedMaterial &prepared) {
     LaneMaterial lane;
     const Material &m = *prepared.material;
     const BsdfInfo &info = bsdfInfo(m.type);
-    if (!info.lanes || m.unlit) return lane;
+    if (m.unlit) return lane;
     if (info.refracts && fresnel::isMatched(m.ior)) return lane; // passes light straight on (bsdf.h)
-    if (info.reads(kMetallicKey) && goesAlone(m)) return lane;
     static const Scene kNoTextures;
     lane.inLanes = true;
     lane.prepared = &prepared;
+    lane.alone = !info.lanes || (info.reads(kMetallicKey) && goesAlone(m));
     lane.layered = info.reads(kMetallicKey) && (m.clearcoat.value > 0 || m.specular.texture != kNone || m.specularColor.texture != kNone);
     lane.mapped = m.slopes.isGiven();
-    lane.varies = lane.mapped || lane.layered || m.vertexColors || m.color.texture != kNone || m.metallic.texture != kNone ||
+    lane.varies = lane.alone || lane.mapped || lane.layered || m.vertexColors || m.color.texture != kNone || m.metallic.texture != kNone ||
                   m.alphaX.texture != kNone || m.alphaY.texture != kNone || m.rotation.texture != kNone || m.anisotropyTexture != kNone;
     Material alike = m; // textures are looked up at hits
     alike.color.texture = alike.metallic.texture = alike.alphaX.texture = alike.alphaY.texture = alike.rotation.texture = kNone;
     alike.anisotropyTexture = alike.specular.texture = alike.specularColor.texture = kNone;
-    alike.clearcoat = {}; // looked up as well
+    alike.clearcoat = alike.transmission = alike.iridescence = {}; // looked up as well
+    alike.sheenColor = {Vec3(0), kNone};
     PreparedMaterial plain = prepared;
     plain.material = &alike;
     lane.values = valuesAt(plain, kNoTextures, baseColorAt(alike, kNoTextures, {}), Vec2(0));
@@ -272,7 +273,7 @@ void view(HitLanes &lanes, const LaneMaterial &material, const EventNumbers &num
         if (numbers.lights > 0) Loops::lightNumbers(lanes, numbers);
         if (numbers.lights > 1) Loops::choiceNumbers(lanes, numbers);
         const BsdfInfo &info = bsdfInfo(material.bsdf.type);
-        std::fill_n(lanes.walks, lanes.padded(), 0);
+        std::fill_n(lanes.alone, lanes.padded(), material.alone ? 1 : 0);
         if (info.microsurface || lanes.leans) setLambda(lanes, material.prepared->material->poisson);
         setLeans(lanes);
         if (material.layered) startCoat(lanes);
@@ -280,9 +281,9 @@ void view(HitLanes &lanes, const LaneMaterial &material, const EventNumbers &num
         if (material.mapped) setFacets(lanes, material.prepared->material->facets, info.microsurface, instructions);
         if (!info.microsurface) return;
         roughen(lanes, *material.prepared->material);
-        setView(lanes, material.bsdf.bearableWaste, info.refracts, instructions);
+        if (!material.alone) setView(lanes, material.bsdf.bearableWaste, info.refracts, instructions);
         if (material.layered) setCoat(lanes, material, instructions);
-        setShares(lanes, material, instructions);
+        if (!material.alone) setShares(lanes, material, instructions);
     });
 }
 

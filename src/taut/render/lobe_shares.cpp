@@ -127,7 +127,7 @@ template <class Loops, class Kind> void setSeveral(HitLanes &l, const LaneMateri
             if constexpr (Kind::kInfo.reads(kMetallicKey)) Kind::Class::color(bsdf, several);
         }
         l.several[i] = several.treatment == Multiscatter::Compensation ? 1 : 0;
-        l.walks[i] = walks ? 1 : 0;
+        l.alone[i] = walks ? 1 : 0;
         l.compensates |= l.several[i] != 0;
         l.loss[i] = several.loss;
         l.lossMean[i] = several.lossMean;
@@ -180,7 +180,7 @@ void lanes::setShares(HitLanes &lanes, const LaneMaterial &material, Instruction
         byKind(lanes, material, [&](auto kind) {
             using Kind = decltype(kind);
             if constexpr (Kind::kInfo.manyFacets) setSeveral<decltype(loops), Kind>(lanes, material);
-            if (lanes.allWalk()) return;
+            if (lanes.allAlone()) return;
             if constexpr (kHasShares<Kind>) setLobes<decltype(loops), Kind>(lanes, material);
         });
     });
