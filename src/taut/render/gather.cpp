@@ -205,7 +205,7 @@ void PathTracer::State::shadeAtOnce(int event, const LaneMaterial &material, std
                                dimensionOf(event, kLightChoice),      dimensionOf(event, kRoulette),    scene.lights().choices};
     const bool lit = numbers.lights > 0;
     lanes::view(l, material, numbers);
-    seeEmissions(material, chunk);
+    if (hasEmitters) seeEmissions(material, chunk);
     if (!l.allAlone()) {
         if (lit) lanes::aim(l, scene.lights());
         if (lit) lanes::connect(l, material);

@@ -44,6 +44,7 @@ PathTracer::PathTracer(const RenderScene &scene, const std::vector<PreparedMater
     s.waiting.resize(materials.size());
     for (const PreparedMaterial &material : materials) s.hasMedia |= material.extinction != Vec3(0);
     for (const PreparedMaterial &material : materials) s.hasCones |= material.filters;
+    for (const RenderObject &object : scene.objects()) s.hasEmitters |= emits(*object.object);
 }
 PathTracer::~PathTracer() = default;
 

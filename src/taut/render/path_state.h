@@ -85,8 +85,9 @@ struct PathTracer::State {
     std::unique_ptr<HitLanes> lanes = std::make_unique<HitLanes>();
     std::array<MeshValues, HitLanes::kSize> meshValues; ///< of the lanes, where a material varies
 
-    bool hasMedia = false; ///< a material attenuates light inside
-    bool hasCones = false; ///< a material looks textures up over footprints
+    bool hasMedia = false;    ///< a material attenuates light inside
+    bool hasEmitters = false; ///< a mesh emits
+    bool hasCones = false;    ///< a material looks textures up over footprints
 
     std::vector<Index> escaped; ///< positions in `active` of paths whose way out is still to be looked up
     EnvironmentLanes sky;
