@@ -1,10 +1,11 @@
-/// What a map leaves out of a relief of real facets: their shade on one another, and nothing else.
+/// A map beside a million real facets: near, what it leaves out is their shade on one another; from afar, its moments.
 
 #include "catch.h"
 #include "render_fixtures.h"
 
 #include "study/measures/image_error.h"
 #include "study/scenes/relief.h"
+#include "taut/plan/detail_question.h"
 
 #include <iostream>
 
@@ -32,18 +33,24 @@ struct Pictures {
     double apart;    ///< root mean square of the difference of their expectations, over that of the pictures; negative: hidden by noise
     double brighter; ///< by which share the map is
 };
-Pictures compare(const Relief &relief, const Environment &sky) {
-    constexpr int kSize = 96;
-    constexpr float kAlpha = 0.2F;
-    Scene scenes[] = {mappedReliefScene(relief, {}, kAlpha, kSize), reliefScene(reliefMesh(relief, 724), {}, kAlpha, kSize)};
+Pictures compare(const Scene &mapped, const Scene &real, int spp) {
     std::vector<std::vector<float>> pictures;
-    for (Scene &scene : scenes) {
-        scene.environment = sky;
+    for (const Scene *scene : {&mapped, &real})
         for (int i = 0; i < 2; ++i)
-            pictures.push_back(coloursOf(renderImage(scene, 1, 64, {}, static_cast<std::uint32_t>(pictures.size()) + 1)));
-    }
+            pictures.push_back(coloursOf(renderImage(*scene, 1, spp, {}, static_cast<std::uint32_t>(pictures.size()) + 1)));
     const auto mean = [&](std::size_t first) { return meanOf(pictures[first]) + meanOf(pictures[first + 1]); };
     return {expectedDifference(pictures[0], pictures[1], pictures[2], pictures[3]), mean(0) / mean(2) - 1};
+}
+
+constexpr int kSide = 724; ///< of the relief, in quads of two facets
+
+Pictures nearUnder(const Environment &sky, const Relief &relief) {
+    constexpr int kSize = 96;
+    constexpr float kAlpha = 0.2F;
+    Scene mapped = mappedReliefScene(relief, {}, kAlpha, kSize);
+    Scene real = reliefScene(reliefMesh(relief, kSide), {}, kAlpha, kSize);
+    mapped.environment = real.environment = sky;
+    return compare(mapped, real, 64);
 }
 
 } // namespace
@@ -52,8 +59,8 @@ TEST_CASE("A map is a million real facets but for their shade: where no facet st
           "[mapped_shade]") {
     for (const float steep : {0.25F, 0.5F}) {
         const Relief relief{4, steep};
-        const Pictures even = compare(relief, lightAbove(0));
-        const Pictures high = compare(relief, lightAbove(30)); // steeper than any facet
+        const Pictures even = nearUnder(lightAbove(0), relief);
+        const Pictures high = nearUnder(lightAbove(30), relief); // steeper than any facet
         std::cout << "slopes to " << steep << ": light from everywhere: apart " << even.apart << ", the map brighter by " << even.brighter
                   << "; from above 30 degrees: " << high.apart << ", " << high.brighter << std::endl;
         INFO("slopes to " << steep);
@@ -62,4 +69,22 @@ TEST_CASE("A map is a million real facets but for their shade: where no facet st
         CHECK(high.apart < 0.004);
         CHECK(std::fabs(high.brighter) < 0.001);
     }
+}
+
+TEST_CASE("Moments from afar are a million real facets within about twice the total variation of their fit", "[mapped_shade]") {
+    const Relief waves{64, 0.25F};
+    const float sigma = 0.5F * waves.steep; // of the slopes along each axis
+    const Mesh relief = reliefMesh(waves, kSide);
+    for (const float alpha : {0.15F, 0.3F})
+        for (const std::vector<DeformerKeys> &motion :
+             {std::vector<DeformerKeys>{stretchDeformer(DVec3(1.8, 0.8, 1))}, {shearDeformer(0.6)}}) {
+            Scene moments = mappedReliefScene(waves, motion, alpha, 32);
+            moments.materials[0].detail = TextureDetail::Moments;
+            const Pictures far = compare(moments, reliefScene(relief, motion, alpha, 32), 1024);
+            const float variation = momentsFitError(sigma / alpha);
+            std::cout << "alpha " << alpha << ": moments and facets apart by " << far.apart << ", total variation " << variation
+                      << std::endl;
+            INFO("alpha " << alpha);
+            CHECK(std::fabs(far.apart) < 2.2F * variation);
+        }
 }

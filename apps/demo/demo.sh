@@ -3,7 +3,7 @@
 # stretched, with the gloss following the deformation and with roughness held fixed as other renderers do. Between the two only the scene
 # key `follow` differs.
 #
-#   apps/demo/demo.sh TAUT OUTDIR             everything below, in about five minutes on two cores
+#   apps/demo/demo.sh TAUT OUTDIR             everything below, in about four minutes on two cores
 #   apps/demo/demo.sh TAUT OUTDIR PICTURE     only the README's picture, with 256 samples a pixel; it is committed, made by
 #                                             apps/demo/demo.sh build/release/taut out/picture docs/images/demo.png
 #
