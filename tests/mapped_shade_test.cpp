@@ -80,7 +80,7 @@ TEST_CASE("Moments from afar are a million real facets within about twice the to
              {std::vector<DeformerKeys>{stretchDeformer(DVec3(1.8, 0.8, 1))}, {shearDeformer(0.6)}}) {
             Scene moments = mappedReliefScene(waves, motion, alpha, 32);
             moments.materials[0].detail = TextureDetail::Moments;
-            const Pictures far = compare(moments, reliefScene(relief, motion, alpha, 32), 1024);
+            const Pictures far = compare(moments, reliefScene(relief, motion, alpha, 32), 256);
             const float variation = momentsFitError(sigma / alpha);
             std::cout << "alpha " << alpha << ": moments and facets apart by " << far.apart << ", total variation " << variation
                       << std::endl;
