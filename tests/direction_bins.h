@@ -2,6 +2,7 @@
 /// Samplers of directions against their densities: bins in (cos theta, phi) about the surface normal, so that the horizon is an edge,
 /// expected counts by adaptive quadrature, chi-squared over all. A last bin holds the samples that are rejected.
 
+#include "running_mean.h"
 #include "statistics.h"
 
 #include "taut/microsurface/random_walk.h"
@@ -11,12 +12,6 @@
 namespace taut::test {
 
 inline constexpr double kPiD = 3.14159265358979323846;
-
-inline Vec3 direction(double thetaDegrees, double phiDegrees) {
-    const double t = radians(thetaDegrees);
-    const double p = radians(phiDegrees);
-    return {static_cast<float>(std::sin(t) * std::cos(p)), static_cast<float>(std::sin(t) * std::sin(p)), static_cast<float>(std::cos(t))};
-}
 
 class Uniform {
   public:

@@ -2,6 +2,7 @@
 /// multiple scattering as the BSDF offers them.
 
 #include "catch.h"
+#include "running_mean.h"
 
 #include "study/microsurface/energy_fit.h"
 
@@ -11,6 +12,7 @@
 #include <random>
 
 using namespace taut;
+using taut::test::direction;
 
 namespace {
 
@@ -31,12 +33,6 @@ std::vector<Point> randomPoints(int count, unsigned seed) {
         points.push_back({microTransformFromAlpha(surface.rougher, surface.smoother, turn), {c * w.x - s * w.y, s * w.x + c * w.y, w.z}});
     }
     return points;
-}
-
-Vec3 direction(double thetaDegrees, double phiDegrees) {
-    const double t = radians(thetaDegrees);
-    const double p = radians(phiDegrees);
-    return {static_cast<float>(std::sin(t) * std::cos(p)), static_cast<float>(std::sin(t) * std::sin(p)), static_cast<float>(std::cos(t))};
 }
 
 /// Cosine-weighted mean over the hemisphere.

@@ -2,6 +2,7 @@
 
 #include "catch.h"
 #include "random_transforms.h"
+#include "running_mean.h"
 #include "statistics.h"
 
 #include "taut/base/parallel.h"
@@ -13,29 +14,11 @@
 #include <random>
 
 using namespace taut;
+using taut::test::direction;
 using taut::test::randomTransforms;
+using taut::test::RunningMean;
 
 namespace {
-
-Vec3 direction(double thetaDegrees, double phiDegrees) {
-    const double t = radians(thetaDegrees);
-    const double p = radians(phiDegrees);
-    return {static_cast<float>(std::sin(t) * std::cos(p)), static_cast<float>(std::sin(t) * std::sin(p)), static_cast<float>(std::cos(t))};
-}
-
-struct Estimate {
-    double sum = 0, squares = 0;
-    int count = 0;
-    void add(double x) {
-        sum += x;
-        squares += x * x;
-        ++count;
-    }
-    [[nodiscard]] double mean() const { return sum / count; }
-    [[nodiscard]] double variance() const { return std::max(0.0, squares / count - mean() * mean()) / count; } ///< of the mean
-    /// Distance of the mean from `truth` in standard errors.
-    [[nodiscard]] double off(double truth) const { return std::fabs(mean() - truth) / std::sqrt(variance() + 1e-18); }
-};
 
 /// Directions to integrate an evaluation over the sphere or hemisphere: from the walk's first facet, cosine, and their density.
 template <class Facets> struct Proposal {
@@ -74,9 +57,10 @@ template <class Facets> struct Proposal {
 };
 
 /// All light that the evaluation scatters from wo.
-template <class Facets> Estimate integrateEvaluation(const MicroTransform &m, const Vec3 &wo, const Facets &facets, int samples, int seed) {
+template <class Facets>
+RunningMean integrateEvaluation(const MicroTransform &m, const Vec3 &wo, const Facets &facets, int samples, int seed) {
     const Proposal<Facets> proposal{m, wo, facets};
-    Estimate estimate;
+    RunningMean estimate;
     walk::Random random(static_cast<std::uint64_t>(seed));
     for (int i = 0; i < samples; ++i) {
         Vec3 wi;
@@ -84,7 +68,8 @@ template <class Facets> Estimate integrateEvaluation(const MicroTransform &m, co
             estimate.add(0);
             continue;
         }
-        estimate.add(static_cast<double>(luminance(walk::evaluate(m, wo, wi, facets, walk::drawEnds(random), random)) / proposal.density(wi)));
+        estimate.add(
+            static_cast<double>(luminance(walk::evaluate(m, wo, wi, facets, walk::drawEnds(random), random)) / proposal.density(wi)));
     }
     return estimate;
 }
@@ -145,13 +130,13 @@ template <class Facets> double leavingLight(const MicroTransform &m, const Vec3 
 
 /// Furnace at one wo for each of the transforms: none beyond the bound for all together, next to none beyond three standard errors.
 template <class Measure> void checkFurnace(const std::vector<MicroTransform> &transforms, double theta, const Measure &measure) {
-    std::vector<Estimate> estimates(transforms.size());
+    std::vector<RunningMean> estimates(transforms.size());
     parallelFor(transforms.size(), 1, [&](std::size_t i) {
         estimates[i] = measure(transforms[i], direction(theta, 37.0 * static_cast<double>(i)), static_cast<int>(i));
     });
     int beyondThree = 0;
     for (std::size_t i = 0; i < transforms.size(); ++i) {
-        const Estimate &e = estimates[i];
+        const RunningMean &e = estimates[i];
         INFO("transform " << i << ", theta " << theta << ": " << e.mean() << " +- " << std::sqrt(e.variance()));
         CHECK(e.off(1) < 4.2); // two-sided 1 % over 400 tests
         CHECK(std::sqrt(e.variance()) < 0.02);
@@ -161,7 +146,7 @@ template <class Measure> void checkFurnace(const std::vector<MicroTransform> &tr
 }
 template <class Facets> void checkLeaving(const std::vector<MicroTransform> &transforms, double theta, const Facets &facets, int walks) {
     checkFurnace(transforms, theta, [&](const MicroTransform &m, const Vec3 &wo, int seed) {
-        Estimate e;
+        RunningMean e;
         walk::Random random(static_cast<std::uint64_t>(seed));
         for (int i = 0; i < walks; ++i) e.add(leavingLight(m, wo, facets, random));
         return e;
@@ -203,13 +188,13 @@ TEST_CASE("Every walk leaves, upwards, with all its light", "[walk][furnace]") {
 
 TEST_CASE("Mean number of bounces at normal incidence", "[walk]") {
     const auto bounces = [](const MicroTransform &m) {
-        Estimate e;
+        RunningMean e;
         walk::Random random(5);
         for (int i = 0; i < 400000; ++i) e.add(sampleWalk(m, Vec3(0, 0, 1), walk::UniformReflector{}, random).bounces);
         return e;
     };
     const auto check = [&](const MicroTransform &m, double truth) {
-        const Estimate e = bounces(m);
+        const RunningMean e = bounces(m);
         CHECK(e.mean() == Approx(truth).margin(0.001 + 3 * std::sqrt(e.variance())));
     };
     check(microTransformFromAlpha(1, 1), 2.302);
@@ -275,22 +260,22 @@ TEST_CASE("Sampled walks and the mean of the stochastic evaluation are one distr
     double least = 1;
     int tests = 0;
     const auto check = [&](const MicroTransform &m, const Vec3 &wo, const auto &facets, int samples) {
-        std::vector<Estimate> sampled(kBins);
-        std::vector<Estimate> evaluated(kBins);
+        std::vector<RunningMean> sampled(kBins);
+        std::vector<RunningMean> evaluated(kBins);
         walk::Random random(23);
         constexpr int kWalks = 40000;
         for (int i = 0; i < kWalks; ++i) {
             const walk::Exit e = sampleWalk(m, wo, facets, random);
-            Estimate &bin = sampled[static_cast<std::size_t>(binOf(e.w))];
+            RunningMean &bin = sampled[static_cast<std::size_t>(binOf(e.w))];
             bin.sum += static_cast<double>(e.throughput.x);
             bin.squares += static_cast<double>(sqr(e.throughput.x));
         }
         double statistic = 0;
         int used = 0;
         for (int b = 0; b < kBins; ++b) {
-            Estimate &s = sampled[static_cast<std::size_t>(b)];
+            RunningMean &s = sampled[static_cast<std::size_t>(b)];
             s.count = kWalks;
-            Estimate &e = evaluated[static_cast<std::size_t>(b)];
+            RunningMean &e = evaluated[static_cast<std::size_t>(b)];
             for (int i = 0; i < samples; ++i) {
                 const Vec3 wi = pointInBin(b, (static_cast<float>(i % 20) + random.uniform()) / 20, random.uniform());
                 e.add(kBinArea * static_cast<double>(walk::evaluate(m, wo, wi, facets, walk::drawEnds(random), random).x));
@@ -316,10 +301,10 @@ TEST_CASE("Coloured facets: the evaluation integrates to the sampled energy", "[
     const ConductorInterface gold{Vec3(0.15557F, 0.42415F, 1.3831F), Vec3(3.6024F, 2.4721F, 1.9155F)};
     for (const MicroTransform &m : randomTransforms(10)) {
         const Vec3 wo = direction(40, 110);
-        Estimate sampled;
+        RunningMean sampled;
         walk::Random random(9);
         for (int i = 0; i < 30000; ++i) sampled.add(static_cast<double>(luminance(sampleWalk(m, wo, gold, random).throughput)));
-        const Estimate evaluated = integrateEvaluation(m, wo, gold, 30000, 10);
+        const RunningMean evaluated = integrateEvaluation(m, wo, gold, 30000, 10);
         CHECK(std::fabs(sampled.mean() - evaluated.mean()) < 3.7 * std::sqrt(sampled.variance() + evaluated.variance()));
         CHECK(sampled.mean() < 0.95);
     }
@@ -327,14 +312,14 @@ TEST_CASE("Coloured facets: the evaluation integrates to the sampled energy", "[
 
 TEST_CASE("The stochastic evaluation is reciprocal in expectation", "[walk]") {
     const auto mean = [](const MicroTransform &m, const Vec3 &wo, const Vec3 &wi, const auto &facets) {
-        Estimate e;
+        RunningMean e;
         walk::Random random(31);
         for (int i = 0; i < 60000; ++i) {
             e.add(static_cast<double>(walk::evaluateMultiple(m, wo, wi, facets, walk::drawEnds(random), random).x));
         }
         return e;
     };
-    const auto agree = [](const Estimate &a, double scaleA, const Estimate &b, double scaleB) {
+    const auto agree = [](const RunningMean &a, double scaleA, const RunningMean &b, double scaleB) {
         CHECK(a.mean() > 0);
         CHECK(std::fabs(a.mean() * scaleA - b.mean() * scaleB) <
               3.7 * std::sqrt(a.variance() * scaleA * scaleA + b.variance() * scaleB * scaleB));
@@ -361,7 +346,7 @@ TEST_CASE("Dielectric walk: what is reflected and what passes add up to all", "[
         checkLeaving(transforms, 80, DielectricInterface{eta}, 20000);
     }
     for (const float eta : {1.5F, 1 / 1.5F}) {
-        const Estimate e =
+        const RunningMean e =
             integrateEvaluation(microTransformFromAlpha(1.5F, 1, 0.4F), direction(50, 20), DielectricInterface{eta}, 60000, 4);
         INFO(e.mean() << " +- " << std::sqrt(e.variance()));
         CHECK(e.off(1) < 4);

@@ -3,37 +3,21 @@
 
 #include "catch.h"
 #include "random_transforms.h"
+#include "running_mean.h"
 
 #include "taut/base/warp.h"
 #include "taut/microsurface/random_walk.h"
 
 using namespace taut;
+using taut::test::direction;
 using taut::test::randomTransforms;
+using taut::test::RunningMean;
 
 namespace {
 
-Vec3 direction(double thetaDegrees, double phiDegrees) {
-    const double t = radians(thetaDegrees);
-    const double p = radians(phiDegrees);
-    return {static_cast<float>(std::sin(t) * std::cos(p)), static_cast<float>(std::sin(t) * std::sin(p)), static_cast<float>(std::cos(t))};
-}
-
-struct Mean {
-    double sum = 0, squares = 0;
-    int count = 0;
-    void add(double x) {
-        sum += x;
-        squares += x * x;
-        ++count;
-    }
-    [[nodiscard]] double value() const { return sum / count; }
-    [[nodiscard]] double second() const { return squares / count; }
-    [[nodiscard]] double variance() const { return std::max(0.0, second() - value() * value()) / count; }
-};
-
-void checkAgree(const Mean &a, const Mean &b) {
-    CHECK(a.value() > 0);
-    CHECK(std::fabs(a.value() - b.value()) < 4 * std::sqrt(a.variance() + b.variance()) + 1e-6 * a.value());
+void checkAgree(const RunningMean &a, const RunningMean &b) {
+    CHECK(a.mean() > 0);
+    CHECK(std::fabs(a.mean() - b.mean()) < 4 * std::sqrt(a.variance() + b.variance()) + 1e-6 * a.mean());
 }
 
 const std::vector<MicroTransform> kSurfaces{microTransformFromAlpha(1, 1), microTransformFromAlpha(0.3F, 0.3F), microTransform(1, 2, 0, 1),
@@ -54,7 +38,8 @@ TEST_CASE("Depth phases: one flight up or down, in closed form", "[walk][depth]"
             // Integrals of a exp(-a t) and rate exp(-rate s) over what stays inside.
             const double stopped = flight.up ? rate / (a + rate) : 1.0;
             const double left = flight.up ? stopped * a / (a + lambda) : a / (a + lambda) * rate / (rate + lambda);
-            CHECK(static_cast<double>(flight.area * depth.stopThenEscape(flight, static_cast<float>(lambda))) == Approx(left).epsilon(1e-5));
+            CHECK(static_cast<double>(flight.area * depth.stopThenEscape(flight, static_cast<float>(lambda))) ==
+                  Approx(left).epsilon(1e-5));
             CHECK(static_cast<double>(depth.stop(flight, 0.4F)) == Approx(stopped).epsilon(1e-5));
             CHECK(static_cast<double>(depth.escape(static_cast<float>(lambda))) * stopped == Approx(left).epsilon(1e-5));
         }
@@ -75,9 +60,9 @@ TEST_CASE("Depth phases: long flights up and down leave as often as drawn height
         const Vec3 wo = direction(35, 250);
         const float lambda = ggx::lambda(m, wi);
         walk::Random random(5);
-        std::vector<Mean> drawn(flights.size());
-        std::vector<Mean> known(flights.size());
-        std::vector<Mean> ahead(flights.size());
+        std::vector<RunningMean> drawn(flights.size());
+        std::vector<RunningMean> known(flights.size());
+        std::vector<RunningMean> ahead(flights.size());
         for (int i = 0; i < 200000; ++i) {
             float depth = walk::firstDepth(m, wo, random.exponential());
             walk::DepthPhases phases(walk::Flight(m, -wo).rate());
@@ -106,19 +91,20 @@ TEST_CASE("Evaluated light of several facets is the share of walks that meet sev
         for (const double theta : {15.0, 70.0, 95.0}) {
             const Vec3 wo = direction(theta, 60);
             walk::Random random(8);
-            Mean counted;
-            Mean evaluated;
+            RunningMean counted;
+            RunningMean evaluated;
             const walk::UniformReflector mirror;
             for (int i = 0; i < 40000; ++i) {
                 const Vec2 first(random.uniform(), random.uniform());
                 const walk::Exit exit = walk::sample(m, wo, mirror, first, random);
                 counted.add(exit.bounces > 1 ? 1.0 : 0.0);
                 const Vec3 wi = squareToCosineHemisphere({random.uniform(), random.uniform()});
-                evaluated.add(static_cast<double>(walk::evaluateMultiple(m, wo, wi, mirror, walk::drawEnds(random), random).x / (kInvPi * wi.z)));
+                evaluated.add(
+                    static_cast<double>(walk::evaluateMultiple(m, wo, wi, mirror, walk::drawEnds(random), random).x / (kInvPi * wi.z)));
             }
-            INFO("theta " << theta << ", det " << m.det << ": " << counted.value() << ", " << evaluated.value() << " +- "
+            INFO("theta " << theta << ", det " << m.det << ": " << counted.mean() << ", " << evaluated.mean() << " +- "
                           << std::sqrt(evaluated.variance()));
-            CHECK(std::fabs(counted.value() - evaluated.value()) < 4.5 * std::sqrt(counted.variance() + evaluated.variance()));
+            CHECK(std::fabs(counted.mean() - evaluated.mean()) < 4.5 * std::sqrt(counted.variance() + evaluated.variance()));
         }
 }
 
@@ -133,8 +119,8 @@ TEST_CASE("Integrated heights and both ends leave less than a third of the varia
                     const Vec3 wo = direction(view, 30);
                     const Vec3 wi = direction(light, 30 + turn);
                     walk::Random random(4);
-                    Mean before;
-                    Mean now;
+                    RunningMean before;
+                    RunningMean now;
                     for (int i = 0; i < 20000; ++i) {
                         const walk::Ends ends = walk::drawEnds(random);
                         before.add(static_cast<double>(walk::evaluateByNextEvents(m, wo, wi, mirror, ends.first, random).x));

@@ -1,26 +1,30 @@
 #!/usr/bin/env bash
-# The demo: a grained rubber sheet drawn out, and our brushed meshes sheared, twisted and stretched, with the gloss following the
-# deformation and with roughness held fixed as other renderers do. Between the two only the scene key `follow` differs.
+# The demo: a grained rubber sheet drawn out, a dimpled rubber grip twisted and bent, and our brushed meshes sheared, twisted and
+# stretched, with the gloss following the deformation and with roughness held fixed as other renderers do. Between the two only the scene
+# key `follow` differs.
 #
 #   apps/demo/demo.sh TAUT OUTDIR             everything below, in about four minutes on two cores
 #   apps/demo/demo.sh TAUT OUTDIR PICTURE     only the README's picture, with 256 samples a pixel; it is committed, made by
 #                                             apps/demo/demo.sh build/release/taut out/picture docs/images/demo.png
 #
-#   OUTDIR/frames/{follow,fixed}/{rubber,panel,body,plates}.####.{exr,png}   what taut renders
-#   OUTDIR/pair/{rubber,panel,body}.####.png                          each frame beside its twin
+#   OUTDIR/frames/{follow,fixed}/{rubber,grip,panel,body,plates}.####.{exr,png}   what taut renders
+#   OUTDIR/pair/{rubber,grip,panel,body}.####.png                     each frame beside its twin
 #   OUTDIR/plates.{exr,png}    the plate at rest and with M = [10 0; 0 30], [10 20; 0 10], [30 0; 0 10]
 #   OUTDIR/contact.png         a contact sheet
 #   OUTDIR/picture.png         at rest, following, held fixed
 #   OUTDIR/demo.mp4            the pairs of metal as a film, where ffmpeg is present
-#   OUTDIR/rubber.mp4          and those of rubber, three seconds
+#   OUTDIR/rubber.mp4, OUTDIR/grip.mp4   and those of rubber, three seconds each
 #
 # Needs oiiotool (Debian: openimageio-tools). Labels want fonts-dejavu-core and are left out without it.
 # brushed.png, the lines on the metal, was made by
 #   oiiotool --pattern noise:type=gaussian:mean=0.8:stddev=0.075:mono=1:seed=7 384x6 1 --clamp:min=0.55:max=1 -d uint8 -o brushed.png
-# and leather.png, the grain of the rubber, 16 bits of height, by
+# leather.png, the grain of the rubber sheet, 16 bits of height, by
 #   noise=--pattern\ noise:type=gaussian:mean=0.5:stddev=0.3:mono=1:seed
 #   oiiotool $noise=3 320x320 1 --blur 9x9 $noise=5 320x320 1 --blur 5x5 --mulc 0.25 --add --subc 0.6 --mulc 2 --addc 0.45 \
 #       --clamp:min=0:max=1 -d uint16 --compression zip:9 -o leather.png
+# and dimples.png, a tile of those of the grip, likewise, by
+#   oiiotool --pattern checker:width=32:height=32 192x192 1 --blur 41x41 --cut 64x64+64+64 --subc 0.5 --mulc 1.6 --addc 0.5 \
+#       --clamp:min=0:max=1 -d uint16 --compression zip:9 -o dimples.png
 set -euo pipefail
 
 fail() {
@@ -143,19 +147,16 @@ contact() {
 
 # picture FILE: three columns, at rest, following, held fixed.
 picture() {
-    newCanvas 1400 1388
+    newCanvas 1400 1700
     labels 20 20 466 "at rest" "deformed: $follows" "deformed: $held"
-    local y=40 name height
-    paste "$out/frames/follow/rubber.0001.png" 0 $y 466 311
-    paste "$out/frames/follow/rubber.0018.png" 467 $y 466 311
-    paste "$out/frames/fixed/rubber.0018.png" 934 $y 466 311
-    y=$((y + 312))
-    for name in panel body; do
-        height=311
+    local y=40 name height last
+    for name in rubber grip panel body; do
+        height=311 last=0018
         if [ $name = body ]; then height=350; fi
+        if [ $name = body ] || [ $name = panel ]; then last=0024; fi
         paste "$out/frames/follow/$name.0001.png" 0 $y 466 $height
-        paste "$out/frames/follow/$name.0024.png" 467 $y 466 $height
-        paste "$out/frames/fixed/$name.0024.png" 934 $y 466 $height
+        paste "$out/frames/follow/$name.$last.png" 467 $y 466 $height
+        paste "$out/frames/fixed/$name.$last.png" 934 $y 466 $height
         y=$((y + height + 1))
     done
     row follow plates $y 350 331 1 2 3 4
@@ -164,28 +165,27 @@ picture() {
 }
 
 if [ $# = 3 ]; then
-    render rubber --frames 1,18 --spp 256
+    for name in rubber grip; do render $name --frames 1,18 --spp 256; done
     for name in panel body; do render $name --frames 1,24 --spp 256; done
     render plates --spp 256
     mkdir -p "$(dirname "$3")"
     picture "$out/picture.png"
-    # 256 colours are enough for grey metal and red rubber, and halve the file.
+    # 256 colours are enough for grey metal and rubber of two colours, and make a third of the file.
     ffmpeg -nostdin -loglevel error -y -i "$out/picture.png" \
-        -vf 'split[a][b];[a]palettegen=stats_mode=single[p];[b][p]paletteuse=dither=none' -frames:v 1 "$3"
+        -vf 'split[a][b];[a]palettegen=stats_mode=single[p];[b][p]paletteuse=dither=sierra2_4a' -frames:v 1 "$3"
     say "wrote $3"
     exit
 fi
 
-for name in rubber panel body plates; do render $name; done
+for name in rubber grip panel body plates; do render $name; done
 say "putting the pictures together"
-pair rubber 320
-pair panel 320
+for name in rubber grip panel; do pair $name 320; done
 pair body 360
 plates
 contact
 picture "$out/picture.png"
 
-rm -f "$out/demo.mp4" "$out/rubber.mp4"
+rm -f "$out/demo.mp4" "$out/rubber.mp4" "$out/grip.mp4"
 if command -v ffmpeg >/dev/null; then
     codec=(-c:v mpeg4 -q:v 3)
     if grep -q ' libx264 ' <<<"$(ffmpeg -hide_banner -encoders 2>/dev/null)"; then codec=(-c:v libx264 -preset slow -crf 18); fi
@@ -193,9 +193,11 @@ if command -v ffmpeg >/dev/null; then
     film='[0][1]vstack,tpad=start=6:start_mode=clone:stop=9:stop_mode=clone,split[there][again];[again]reverse[back];[there][back]concat'
     ffmpeg -nostdin -loglevel error -y -framerate 12 -i "$out/pair/panel.%04d.png" -framerate 12 -i "$out/pair/body.%04d.png" \
         -filter_complex "$film" "${codec[@]}" -pix_fmt yuv420p -movflags +faststart "$out/demo.mp4"
-    ffmpeg -nostdin -loglevel error -y -framerate 12 -i "$out/pair/rubber.%04d.png" "${codec[@]}" -pix_fmt yuv420p -movflags +faststart \
-        "$out/rubber.mp4"
+    for name in rubber grip; do
+        ffmpeg -nostdin -loglevel error -y -framerate 12 -i "$out/pair/$name.%04d.png" "${codec[@]}" -pix_fmt yuv420p -movflags +faststart \
+            "$out/$name.mp4"
+    done
 else
     say "no film: ffmpeg is missing"
 fi
-say "done: $out/contact.png, $out/picture.png, $out/plates.png$([ ! -f "$out/demo.mp4" ] || echo ", $out/demo.mp4, $out/rubber.mp4")"
+say "done: $out/contact.png, $out/picture.png, $out/plates.png$([ ! -f "$out/demo.mp4" ] || echo ", $out/demo.mp4, $out/rubber.mp4, $out/grip.mp4")"

@@ -271,8 +271,8 @@ def roughen(M: ArrayLike, strain: ArrayLike, roughening: float, yield_strain: fl
     """M (..., 5) of metal that was strained: Sigma' = Sigma + (roughening max(0, strain - yield_strain))^2 I; its lean is kept.
 
     `roughening` is alpha per unit of strain, at least 0; `strain` (...,) as of `equivalent_strain`, of which what lies beyond
-    `yield_strain` counts. In slope tensors the sum is exact for Gaussian slopes and a model for GGX. Sources: Stoudt & Ricker 2002,
-    Metall. Mater. Trans. A 33, 2883; Stoudt et al. 2009, ibid. 40, 1611.
+    `yield_strain` counts. In slope tensors the sum is exact for Gaussian slopes and a model for GGX. Source: Stoudt & Ricker 2002,
+    Metall. Mater. Trans. A 33, 2883.
     """
     rate = number("roughening", roughening, 0, expected="a number, at least 0")
     limit = number("yield_strain", yield_strain, 0, expected="a number, at least 0")

@@ -1,10 +1,10 @@
 #pragma once
 /// Roughness that is added to what geometry makes of a microsurface: slopes that have nothing to do with those that are there.
 ///
-/// Metal that is strained beyond its elastic limit roughens, by grains that turn against each other: the RMS roughness grows in proportion
-/// to the plastic strain and the size of the grains (Stoudt & Ricker 2002, Metall. Mater. Trans. A 33, 2883; Stoudt, Hubbard, Iadicola &
-/// Banovic 2009, ibid. 40, 1611; over scales: Zaiser et al. 2004, Phys. Rev. Lett. 93, 195507). As a slope that is alpha = roughening (eps
-/// - yield), eps the equivalent Hencky strain of the surface with the thickness from volume:
+/// Metal that is strained beyond its elastic limit roughens, by grains that turn against each other: its roughness grows in proportion to
+/// the plastic strain and the size of the grains (Stoudt & Ricker 2002, Metall. Mater. Trans. A 33, 2883; more than that where they are
+/// coarse: Stoudt, Hubbard & Leigh 2011, ibid. 42; over scales: Zaiser et al. 2004, Phys. Rev. Lett. 93, 195507). As a slope that is
+/// alpha = roughening (eps - yield), eps the equivalent Hencky strain of the surface with the thickness from volume:
 ///
 ///     Sigma' = Sigma + alpha^2 I.
 ///

@@ -33,8 +33,9 @@ Material aluminium(float alphaX, float alphaY) {
 }
 
 /// Alpha per strain of aluminium that was annealed. Roughness grows linearly with strain and grain size (Stoudt & Ricker 2002, Metall.
-/// Mater. Trans. A 33, 2883; Stoudt, Hubbard, Iadicola & Banovic 2009, ibid. 40, 1611): a tenth of a grain per unit of strain, on waves of
-/// two grains, is a slope of 0.4 RMS in all. The tenth is an order of magnitude; alloys differ by factors.
+/// Mater. Trans. A 33, 2883), in other ways for other modes of strain (Stoudt, Hubbard, Iadicola & Banovic 2009, ibid. 40, 1611): a tenth
+/// of a grain per unit of strain, on waves of two grains, is a slope of 0.4 RMS in all. The tenth is an order of magnitude; alloys differ
+/// by factors.
 constexpr float kAluminiumRoughening = 0.4F;
 
 std::array<MaterialPreset, 4> makePresets() {
@@ -47,7 +48,7 @@ std::array<MaterialPreset, 4> makePresets() {
     Material foil = aluminium(0.06F, 0.14F);
     foil.roughening = kAluminiumRoughening;
     foil.yield = 0.002F; // the offset by which a yield strength is defined (ISO 6892-1)
-    // Beyond about 1 % of strain the roughening shows (Stoudt & Hubbard: 1 to 12 %).
+    // Stoudt and Hubbard at NIST saw aluminium roughen from 1 % of strain to 12.
     Material annealed = aluminium(0.1F, 0.1F);
     annealed.roughening = kAluminiumRoughening;
     annealed.yield = 0.01F;
