@@ -90,11 +90,11 @@ void AdaptivePasses::decide(const Film &film, const std::vector<PassPiece> &cont
         std::vector<double> variances;
         std::vector<double> sums;
         for (std::size_t k = 0; k < controls.size(); ++k) {
-            ColourSums::fill(film, controls[k].window, sums);
-            double squares = 0;
-            for (std::size_t i = 0; i < sums.size(); ++i) squares += sqr(sums[i] / controls[k].last - again[k][i]);
-            variances.push_back(0.5 * squares / static_cast<double>(sums.size()));
+            const auto &[window, blocks, last] = controls[k];
+            ColourSums::fill(film, window, sums);
+            variances.push_back(0.5 * squaredDifference(window, window, sums, last, again[k], last));
         }
+        if (film.sharedSums() != nullptr) picture->see(film);
         picture->decide(variances);
     } else {
         std::get<AdaptiveBlocks>(goal_).decide();

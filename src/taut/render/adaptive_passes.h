@@ -50,7 +50,7 @@ class AdaptivePasses {
     /// When all pieces are made: windows to be rendered again with other random numbers, and as many samples. Once there are some, they are
     /// the same ones after every pass.
     std::vector<PassPiece> drawControls();
-    /// Then what is next. `again`: means of R, G, B of each of those windows, row by row.
+    /// Then what is next. `again`: the sums of each of those windows (ColourSums).
     void decide(const Film &film, const std::vector<PassPiece> &controls, const std::vector<std::vector<double>> &again);
 
     /// Share of the work that is done, for progress.

@@ -138,8 +138,13 @@ void cameraRays(const RenderScene &scene, const TraceSettings &settings, CameraL
         if (settings.boxFilter && !l.centred) {
             Loops::box(l);
         } else {
+            const auto offsetOf = [&](std::size_t i) {
+                if (l.centred) return Vec2(0);
+                const Vec2 u(l.u[i], l.v[i]);
+                return settings.shared ? sharedOffset(*settings.shared, l.x[i], l.y[i], u) : sampleFilter(settings.boxFilter, u);
+            };
             for (std::size_t i = 0; i < static_cast<std::size_t>(l.count); ++i) {
-                const Vec2 offset = l.centred ? Vec2(0) : sampleFilter(settings.boxFilter, {l.u[i], l.v[i]});
+                const Vec2 offset = offsetOf(i);
                 l.u[i] = offset.x;
                 l.v[i] = offset.y;
             }
