@@ -26,7 +26,7 @@ struct PixelGrid {
         for (int i = 0; i < count; ++i) l.seed[i] = hash(l.seed[i], l.sample[i]);
 #pragma GCC ivdep
     for (int i = 0; i < count; ++i) {
-        const Vec2 u = sobol2(l.sample[i], hash(l.seed[i], kFilterDimension));
+        const Vec2 u = filterNumbers(l.sample[i], l.seed[i]);
         l.u[i] = u.x;
         l.v[i] = u.y;
     }

@@ -3,15 +3,12 @@
 
 #include "taut/base/instructions.h"
 #include "taut/base/lanes.h"
+#include "taut/base/sobol.h"
 #include "taut/render/render_scene.h"
+#include "taut/render/sample_dimensions.h"
 #include "taut/render/trace_settings.h"
 
 namespace taut {
-
-/// Dimensions of the sample sequence that a camera ray draws; those of scattering events follow.
-enum CameraDimension : std::uint32_t { kFilterDimension, kLensDimension, kCameraDimensions };
-/// The time within the shutter has a number of its own, so that events keep theirs with and without motion blur.
-inline constexpr std::uint32_t kTimeDimension = 0x40000000U;
 
 struct alignas(64) CameraLanes {
     static constexpr int kSize = 64;
@@ -27,6 +24,11 @@ struct alignas(64) CameraLanes {
     // Between.
     float u[kSize], v[kSize]; ///< place on the plane at distance one
 };
+
+/// Place of a sample within its pixel, both numbers in [0, 1). `seed`: of the pixel.
+[[gnu::always_inline]] inline Vec2 filterNumbers(std::uint32_t sample, std::uint32_t seed) {
+    return sobolFourthFifth(sample, hash(seed, dimensionOf(0, kLightNumbers)), hash(seed, kFilterDimension));
+}
 
 /// Rays through the pixels of `settings`, as the reconstruction filter spreads them; with lens and camera motion.
 void cameraRays(const RenderScene &scene, const TraceSettings &settings, CameraLanes &lanes, Instructions instructions = widest());
