@@ -92,7 +92,7 @@ void AdaptivePasses::decide(const Film &film, const std::vector<PassPiece> &cont
         for (std::size_t k = 0; k < controls.size(); ++k) {
             const auto &[window, blocks, last] = controls[k];
             ColourSums::fill(film, window, sums);
-            variances.push_back(0.5 * squaredDifference(window, window, sums, last, again[k], last));
+            variances.push_back(0.5 * squaredDifference(window, window, sums, 1.0 / last, again[k], 1.0 / last));
         }
         if (film.sharedSums() != nullptr) picture->see(film);
         picture->decide(variances);

@@ -8,27 +8,31 @@ namespace {
 
 constexpr std::size_t kShared = SharedSums::kShares * SharedSums::kValues;
 
-/// Sums per pixel of R, G, B.
-double ofColours(std::span<const double> a, double na, std::span<const double> b, double nb) {
+/// Mean over R, G, B of the square of a difference between sums of a pixel.
+double ofColours(const double *first, double s1, const double *second, double s2) {
     double sum = 0;
-    for (std::size_t i = 0; i < a.size(); ++i) sum += sqr(a[i] / na - b[i] / nb);
+    for (std::size_t i = 0; i < 3; ++i) sum += sqr(s1 * first[i] - s2 * second[i]);
     return sum / 3;
 }
 
 /// Of what a pixel shares. The picture is a mean by the weights that there are: too much weight brings a pixel only what its light is off
 /// the mean around, for which the mean of the pixel that gives is taken.
-double ofShares(std::span<const double> a, double na, std::span<const double> b, double nb) {
+double ofShares(const double *first, double s1, const double *second, double s2) {
+    constexpr std::size_t n = SharedSums::kShares;
+    const auto sumOf = [&](const double *values) {
+        double sum = 0;
+        for (std::size_t k = 0; k < n; ++k) sum += values[k];
+        return sum;
+    };
+    std::array<double, n> weights{};
+    for (std::size_t k = 0; k < n; ++k) weights[k] = s1 * first[4 * n + k] - s2 * second[4 * n + k];
+    const double weight = sumOf(second + 4 * n);
     double sum = 0;
     for (std::size_t channel = 0; channel < 3; ++channel) {
-        double light = 0;
-        double weight = 0;
-        for (std::size_t at = 0; at < kShared; at += SharedSums::kValues) {
-            light += a[at + channel] + b[at + channel];
-            weight += a[at + 4] + b[at + 4];
-        }
-        const double mean = weight > 0 ? light / weight : 0;
-        for (std::size_t at = 0; at < kShared; at += SharedSums::kValues)
-            sum += sqr((a[at + channel] - mean * a[at + 4]) / na - (b[at + channel] - mean * b[at + 4]) / nb);
+        const double *a = first + channel * n;
+        const double *b = second + channel * n;
+        const double mean = weight > 0 ? sumOf(b) / weight : 0;
+        for (std::size_t k = 0; k < n; ++k) sum += sqr(s1 * a[k] - s2 * b[k] - mean * weights[k]);
     }
     return sum / 3;
 }
@@ -53,33 +57,31 @@ void ColourSums::fill(const Film &film, const Window &window, std::vector<double
     for (int y = window.y0; y < window.y1; ++y)
         for (int x = window.x0; x < window.x1; ++x) {
             if (const SharedSums *shared = film.sharedSums())
-                for (const auto &share : shared->at(x, y)) sums.insert(sums.end(), share.begin(), share.end());
+                for (const auto &shares : shared->at(x, y)) sums.insert(sums.end(), shares.begin(), shares.end());
             else
                 for (std::size_t channel = 0; channel < 3; ++channel) sums.push_back(film.sumAt(x, y, channel).value());
         }
 }
 
-double squaredDifference(const Window &part, const Window &window, std::span<const double> first, int firstSamples,
-                         std::span<const double> second, int secondSamples) {
+double squaredDifference(const Window &part, const Window &window, std::span<const double> first, double s1, std::span<const double> second,
+                         double s2) {
     const std::size_t perPixel = valuesAPixel(window, first);
-    return meanOver(part, window, perPixel, [&](std::size_t at) {
-        const auto of = perPixel == kShared ? ofShares : ofColours;
-        return of(first.subspan(at, perPixel), firstSamples, second.subspan(at, perPixel), secondSamples);
-    });
+    const auto of = perPixel == kShared ? ofShares : ofColours;
+    return meanOver(part, window, perPixel, [&](std::size_t at) { return of(&first[at], s1, &second[at], s2); });
 }
 
 BlockError blockErrorOf(const Window &block, const Window &window, const ColourSums &sums, int middle, int last) {
-    std::vector<double> added;
-    added.reserve(sums.all.size());
-    for (std::size_t i = 0; i < sums.all.size(); ++i) added.push_back(sums.all[i] - sums.half[i]);
-    const double difference = squaredDifference(block, window, sums.half, middle, added, last - middle);
-    const std::size_t perPixel = valuesAPixel(window, sums.all);
+    const double before = middle;
+    const double added = last - middle;
     const double n = last;
+    // half / before - (all - half) / added
+    const double difference = squaredDifference(block, window, sums.half, 1 / before + 1 / added, sums.all, 1 / added);
+    const std::size_t perPixel = valuesAPixel(window, sums.all);
     // Where pixels share, what the picture is depends on others (PictureNoise::see).
     const double square = perPixel == kShared ? 0 : meanOver(block, window, perPixel, [&](std::size_t at) {
-        return ofColours(std::span(sums.all).subspan(at, perPixel), n, std::array<double, 3>{}, n);
+        return ofColours(&sums.all[at], 1 / n, &sums.all[at], 0);
     });
-    return {last, difference * middle * (last - middle) / (n * n), square, 0};
+    return {last, difference * before * added / (n * n), square, 0};
 }
 
 } // namespace taut

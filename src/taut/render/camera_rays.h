@@ -3,7 +3,6 @@
 
 #include "taut/base/instructions.h"
 #include "taut/base/lanes.h"
-#include "taut/base/sobol.h"
 #include "taut/render/render_scene.h"
 #include "taut/render/sample_dimensions.h"
 #include "taut/render/trace_settings.h"
@@ -19,16 +18,12 @@ struct alignas(64) CameraLanes {
     std::uint32_t sample[kSize]; ///< of the pixel
     // Answered.
     std::uint32_t seed[kSize];       ///< of the pixel's sample sequence
+    float filterU[kSize], filterV[kSize]; ///< place within the pixel's filter, 0 to 1
     float time[kSize];               ///< within the shutter, 0 to 1
     Lanes3<kSize> origin, direction; ///< render space; unit
     // Between.
     float u[kSize], v[kSize]; ///< place on the plane at distance one
 };
-
-/// Place of a sample within its pixel, both numbers in [0, 1). `seed`: of the pixel.
-[[gnu::always_inline]] inline Vec2 filterNumbers(std::uint32_t sample, std::uint32_t seed) {
-    return sobolFourthFifth(sample, hash(seed, dimensionOf(0, kLightNumbers)), hash(seed, kFilterDimension));
-}
 
 /// Rays through the pixels of `settings`, as the reconstruction filter spreads them; with lens and camera motion.
 void cameraRays(const RenderScene &scene, const TraceSettings &settings, CameraLanes &lanes, Instructions instructions = widest());

@@ -146,8 +146,7 @@ bool PathTracer::traceTile(const Window &tile, int firstSample, int lastSample, 
             if (DenoiseSums *sums = film.denoiseSums(); sums != nullptr)
                 sums->add(path.x, path.y, path.sample, path.radiance, path.alpha > 0);
             if (SharedSums *sums = film.sharedSums(); sums != nullptr && s.settings.shared)
-                sums->add(path.x, path.y, sharedSample(*s.settings.shared, path.x, path.y, filterNumbers(path.sample, path.seed)),
-                          path.radiance, path.alpha);
+                sums->add(path.x, path.y, sharedSample(*s.settings.shared, path.x, path.y, s.places[i]), path.radiance, path.alpha);
         }
         times.film += secondsSince(clock);
     }

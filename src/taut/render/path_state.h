@@ -55,6 +55,7 @@ struct PathTracer::State {
     std::unique_ptr<CameraLanes> cameraLanes = std::make_unique<CameraLanes>();
     std::vector<Path> paths;
     std::vector<float> aovs; ///< [paths x channels]
+    std::vector<Vec2> places; ///< [paths] within the filters of pixels that share their samples
     std::vector<Index> active, stillActive;
     std::vector<Ray> rays, nextRays, shadowRays;
     std::vector<Hit> hits;

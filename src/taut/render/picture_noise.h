@@ -145,11 +145,10 @@ struct ColourSums {
     static void fill(const Film &film, const Window &window, std::vector<double> &sums);
 };
 
-/// Mean over a part of a window's pixels and R, G, B of the squared difference that two sets of samples of them make in the picture:
-/// `first` and `second` are their sums (ColourSums). Pixels have random numbers of their own, so what they give to each other adds up in
-/// squares.
-double squaredDifference(const Window &part, const Window &window, std::span<const double> first, int firstSamples,
-                         std::span<const double> second, int secondSamples);
+/// Mean over a part of a window's pixels and R, G, B of the square of what s1 first - s2 second brings to the picture, of their sums.
+/// Pixels have random numbers of their own, so what they give to each other adds up in squares.
+double squaredDifference(const Window &part, const Window &window, std::span<const double> first, double s1, std::span<const double> second,
+                         double s2);
 
 /// What the sums of a window say of a block in it, after `middle` and after `last` samples.
 BlockError blockErrorOf(const Window &block, const Window &window, const ColourSums &sums, int middle, int last);

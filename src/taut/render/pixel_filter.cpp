@@ -60,22 +60,32 @@ Place placeOf(float u, bool first, bool last) {
     return {(u - begin) / within - 0.5F, within};
 }
 
-std::array<float, 3> weightsOf(const Place &place, bool first, bool last) {
-    constexpr float kStep = static_cast<float>(kTwoPi) / (2 * kFilterRadius); // of the window's argument over a pixel
-    const float angle = kStep * place.offset;
-    const float c = std::cos(angle);
-    const float s = std::sin(angle) * std::sqrt(3.0F) / 2;
-    const std::array<float, 3> cosines{-0.5F * c - s, c, -0.5F * c + s}; // of the distances from the three centres
-    const float scale = 1 / (2 * kFilterRadius * static_cast<float>(kTerms[0]) * place.density);
-    std::array<float, 3> weights{};
-    for (int k = 0; k < 3; ++k) {
-        const bool isThere = !(k == 0 && first) && !(k == 2 && last);
-        if (!isThere || std::fabs(place.offset - static_cast<float>(k - 1)) > kFilterRadius) continue;
-        const float x = cosines[static_cast<std::size_t>(k)];
-        const auto term = [](std::size_t i) { return static_cast<float>(kTerms[i]); };
-        weights[static_cast<std::size_t>(k)] = scale * (term(0) + term(1) * x + term(2) * (2 * x * x - 1) + term(3) * x * (4 * x * x - 3));
+/// The window over its integral, tabulated over its radius.
+class FilterTable {
+  public:
+    FilterTable() {
+        for (std::size_t i = 0; i < values_.size(); ++i) {
+            const double w = kPi * static_cast<double>(i) / kSteps;
+            const double value = kTerms[0] + kTerms[1] * std::cos(w) + kTerms[2] * std::cos(2 * w) + kTerms[3] * std::cos(3 * w);
+            values_[i] = i <= kSteps ? static_cast<float>(value / (2 * static_cast<double>(kFilterRadius) * kTerms[0])) : 0.0F;
+        }
     }
-    return weights;
+    [[nodiscard]] float at(float offset) const {
+        const float x = std::min(std::fabs(offset) * (kSteps / kFilterRadius), static_cast<float>(kSteps));
+        const auto i = static_cast<std::size_t>(x);
+        return glm::mix(values_[i], values_[i + 1], x - static_cast<float>(i));
+    }
+
+  private:
+    static constexpr int kSteps = 2048;
+    std::array<float, kSteps + 2> values_{};
+};
+const FilterTable kFilterTable;
+
+std::array<float, 3> weightsOf(const Place &place, bool first, bool last) {
+    const float scale = 1 / place.density;
+    return {first ? 0.0F : scale * kFilterTable.at(place.offset + 1), scale * kFilterTable.at(place.offset),
+            last ? 0.0F : scale * kFilterTable.at(place.offset - 1)};
 }
 
 /// Both axes of a pixel.

@@ -23,11 +23,11 @@ SharedSums::SharedSums(const Window &window) : window_(window) {
 void SharedSums::add(int x, int y, const SharedSample &sample, const Vec3 &radiance, float alpha) {
     Shares &shares = pixels_[pixelAt(x, y)];
     const std::array<float, kValues> values{radiance.x, radiance.y, radiance.z, alpha, 1};
+    std::array<float, kShares> weights{};
     for (std::size_t row = 0; row < 3; ++row)
-        for (std::size_t column = 0; column < 3; ++column) {
-            const float weight = sample.down[row] * sample.across[column];
-            for (std::size_t i = 0; i < kValues; ++i) shares[3 * row + column][i] += weight * values[i];
-        }
+        for (std::size_t column = 0; column < 3; ++column) weights[4 * row + column] = sample.down[row] * sample.across[column];
+    for (std::size_t i = 0; i < kValues; ++i)
+        for (std::size_t k = 0; k < kShares; ++k) shares[i][k] += weights[k] * values[i];
 }
 
 std::array<float, 4> SharedSums::resolve(int x, int y, std::span<const std::uint32_t> counts) const {
@@ -39,8 +39,9 @@ std::array<float, 4> SharedSums::resolve(int x, int y, std::span<const std::uint
             if (fromX < window_.x0 || fromX >= window_.x1 || fromY < window_.y0 || fromY >= window_.y1) continue;
             const std::size_t from = pixelAt(fromX, fromY);
             if (counts[from] == 0) continue;
-            const auto &share = pixels_[from][static_cast<std::size_t>(3 * (dy + 1) + dx + 1)];
-            for (std::size_t i = 0; i < kValues; ++i) sums[i] += share[i] / static_cast<float>(counts[from]);
+            const auto share = static_cast<std::size_t>(4 * (dy + 1) + dx + 1);
+            const float inverse = 1 / static_cast<float>(counts[from]);
+            for (std::size_t i = 0; i < kValues; ++i) sums[i] += pixels_[from][i][share] * inverse;
         }
     if (!(sums[4] > 0)) return {};
     return {sums[0] / sums[4], sums[1] / sums[4], sums[2] / sums[4], sums[3] / sums[4]};
@@ -66,8 +67,8 @@ SharedSums SharedSums::load(std::istream &in, const Window &window) {
         if (!in.read(reinterpret_cast<char *>(&sums.pixels_[first]), static_cast<std::streamsize>(count * sizeof(Shares))))
             throw InputError("film: found its end early, expected what its pixels share");
         for (std::size_t p = first; p < first + count; ++p)
-            for (const auto &share : sums.pixels_[p])
-                for (const float value : share)
+            for (const auto &shares : sums.pixels_[p])
+                for (const float value : shares)
                     if (!std::isfinite(value)) throw InputError("film: found a share that is not finite, expected numbers");
     }
     return sums;

@@ -15,9 +15,9 @@ namespace taut {
 
 class SharedSums {
   public:
-    static constexpr std::size_t kShares = 9; ///< row by row, from the pixel up to the left
-    static constexpr std::size_t kValues = 5; ///< R, G, B, A and 1, each times the sample's weight
-    using Shares = std::array<std::array<float, kValues>, kShares>;
+    static constexpr std::size_t kValues = 5;  ///< R, G, B, A and 1, each times the sample's weight
+    static constexpr std::size_t kShares = 12; ///< three rows from the pixel up to the left; the fourth of each is 0, for vectors' sake
+    using Shares = std::array<std::array<float, kShares>, kValues>;
 
     SharedSums() = default;
     explicit SharedSums(const Window &window);
