@@ -51,7 +51,7 @@ template <class Light> Made make(const Window &window, double noise, int most, L
         for (const PassPiece &piece : passes.pieces())
             passes.make(piece, made.film, scratch,
                         [&](const Window &part, int first, int last) { return light.add(made.film, part, first, last); });
-        const std::vector<PassPiece> controls = passes.drawControls();
+        const std::vector<PassPiece> controls = passes.drawControls(made.film);
         std::vector<std::vector<double>> again;
         for (const PassPiece &piece : controls) {
             Film other(piece.window, {});
@@ -319,6 +319,7 @@ TEST_CASE("picture noise: a rendered picture has the noise that is asked for, an
         CHECK(noise > 0.5 * goal);
         CHECK(a.reached->error < 1.3 * noise);
         CHECK(a.reached->error > 0.7 * noise);
+        CHECK(a.reached->controls > 10);
         CHECK(a.film.samples() > 2 * static_cast<int>(a.film.samplesAt(0, 0))); // the sky is even
     }
 }

@@ -77,11 +77,13 @@ void AdaptivePasses::make(const PassPiece &piece, const Film &film, PassScratch 
         samplePass(std::get<PictureNoise>(goal_), piece.blocks, piece.window, film, scratch.colours, trace);
 }
 
-std::vector<PassPiece> AdaptivePasses::drawControls() {
+std::vector<PassPiece> AdaptivePasses::drawControls(const Film &film) {
     std::vector<PassPiece> pieces;
-    if (auto *picture = std::get_if<PictureNoise>(&goal_))
-        for (const Control &control : picture->drawControls())
-            pieces.push_back({control.window, {control.block}, picture->errorOf(control.block).samples});
+    auto *picture = std::get_if<PictureNoise>(&goal_);
+    if (picture == nullptr) return pieces;
+    if (film.sharedSums() != nullptr) picture->see(film);
+    for (const Control &control : picture->drawControls())
+        pieces.push_back({control.window, {control.block}, picture->errorOf(control.block).samples});
     return pieces;
 }
 
@@ -94,7 +96,6 @@ void AdaptivePasses::decide(const Film &film, const std::vector<PassPiece> &cont
             ColourSums::fill(film, window, sums);
             variances.push_back(0.5 * squaredDifference(window, window, sums, 1.0 / last, again[k], 1.0 / last));
         }
-        if (film.sharedSums() != nullptr) picture->see(film);
         picture->decide(variances);
     } else {
         std::get<AdaptiveBlocks>(goal_).decide();

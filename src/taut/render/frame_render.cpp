@@ -203,7 +203,7 @@ void FrameRender::State::advanceAdaptively(bool onePass) {
             gotFurther = true;
         });
         if (!std::all_of(pieces.begin(), pieces.end(), isMade)) return;
-        const std::vector<PassPiece> controls = passes->drawControls();
+        const std::vector<PassPiece> controls = passes->drawControls(film);
         const std::vector<std::vector<double>> others = renderAgain(controls);
         if (others.size() < controls.size()) return;
         passes->decide(film, controls, others);
