@@ -67,7 +67,7 @@ class FilterTable {
         for (std::size_t i = 0; i < values_.size(); ++i) {
             const double w = kPi * static_cast<double>(i) / kSteps;
             const double value = kTerms[0] + kTerms[1] * std::cos(w) + kTerms[2] * std::cos(2 * w) + kTerms[3] * std::cos(3 * w);
-            values_[i] = i <= kSteps ? static_cast<float>(value / (2 * static_cast<double>(kFilterRadius) * kTerms[0])) : 0.0F;
+            values_[i] = i < kSteps ? static_cast<float>(value / (2 * static_cast<double>(kFilterRadius) * kTerms[0])) : 0.0F;
         }
     }
     [[nodiscard]] float at(float offset) const {
