@@ -264,3 +264,44 @@ TEST_CASE("Sobol: the fast second dimension is Sobol's, and scrambled points str
             CHECK(std::all_of(cells.begin(), cells.end(), [](int n) { return n == 1; }));
         }
 }
+
+TEST_CASE("Sobol: sets of three and of five numbers stratify each other", "[sampler]") {
+    // A (t, m, s)-net in base 2 has 2^t points in every elementary interval of 2^(t - m); t is at most the sum of the degrees of the
+    // dimensions' polynomials less one each: 1 for three dimensions, 5 for five (Sobol 1967).
+    constexpr int kPoints = 8; // powers of two
+    const auto isNet = [&](int t, std::uint32_t dimensions, const auto &point) {
+        const int bits = kPoints - t;
+        std::vector<int> shape(dimensions, 0);
+        bool all = true;
+        const std::function<void(std::size_t, int)> forEachShape = [&](std::size_t d, int left) {
+            if (d + 1 < shape.size()) {
+                for (shape[d] = 0; shape[d] <= left; ++shape[d]) forEachShape(d + 1, left - shape[d]);
+                return;
+            }
+            shape[d] = left;
+            std::vector<int> cells(std::size_t{1} << bits);
+            for (std::uint32_t i = 0; i < 1U << kPoints; ++i) {
+                const std::array<float, 5> p = point(i);
+                std::size_t cell = 0;
+                for (std::size_t k = 0; k < shape.size(); ++k)
+                    cell = (cell << shape[k]) + static_cast<std::size_t>(p[k] * static_cast<float>(1 << shape[k]));
+                ++cells[cell];
+            }
+            all = all && std::all_of(cells.begin(), cells.end(), [&](int n) { return n == 1 << t; });
+        };
+        forEachShape(0, bits);
+        return all;
+    };
+    for (std::uint32_t seed = 1; seed < 6; ++seed) {
+        const auto set = [&](std::uint32_t i) {
+            const Vec3 u = sobol3(i, seed);
+            const Vec2 v = sobolFourthFifth(i, seed, 17 * seed);
+            return std::array<float, 5>{u.x, u.y, u.z, v.x, v.y};
+        };
+        CHECK(isNet(1, 3, set));
+        CHECK(isNet(5, 5, set));
+        CHECK(isNet(4, 2, [&](std::uint32_t i) { return std::array<float, 5>{set(i)[3], set(i)[4]}; }));
+        // Numbers of sets that know nothing of each other are no net.
+        CHECK_FALSE(isNet(1, 3, [&](std::uint32_t i) { return std::array<float, 5>{set(i)[0], set(i)[1], sobol1(i, seed + 99)}; }));
+    }
+}

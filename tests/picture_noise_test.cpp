@@ -51,14 +51,12 @@ template <class Light> Made make(const Window &window, double noise, int most, L
         for (const PassPiece &piece : passes.pieces())
             passes.make(piece, made.film, scratch,
                         [&](const Window &part, int first, int last) { return light.add(made.film, part, first, last); });
-        const std::vector<PassPiece> controls = passes.drawControls();
+        const std::vector<PassPiece> controls = passes.drawControls(made.film);
         std::vector<std::vector<double>> again;
         for (const PassPiece &piece : controls) {
             Film other(piece.window, {});
             light.add(other, piece.window, 0, piece.last);
-            std::vector<double> &means = again.emplace_back();
-            ColourSums::fill(other, piece.window, means);
-            for (double &value : means) value /= piece.last;
+            ColourSums::fill(other, piece.window, again.emplace_back());
         }
         passes.decide(made.film, controls, again);
     }
@@ -119,8 +117,9 @@ Scene noisyScene(int size) {
     return scene;
 }
 
-FrameOptions toNoise(double noise, std::uint32_t seed) {
+FrameOptions toNoise(double noise, std::uint32_t seed, bool shares = false) {
     FrameOptions options;
+    options.shares = shares;
     options.picture = PictureGoal{noise, 4};
     options.spp = 4096;
     options.seed = seed;
@@ -252,7 +251,11 @@ TEST_CASE("picture noise: never worse than as many samples everywhere, however r
 }
 
 TEST_CASE("picture noise: pictures have the mean of a converged one", "[picture-noise]") {
-    RenderScene ready(noisyScene(24), false);
+    const bool shares = GENERATE(false, true);
+    INFO((shares ? "shared" : "not shared"));
+    Scene scene = noisyScene(24);
+    scene.render.boxFilter = !shares;
+    RenderScene ready(scene, false);
     ready.setFrame(1);
     FrameOptions even;
     even.spp = 1 << 14;
@@ -265,7 +268,7 @@ TEST_CASE("picture noise: pictures have the mean of a converged one", "[picture-
     double wholeSquare = 0;
     double samples = 0;
     for (int seed = 1; seed <= kSeeds; ++seed) {
-        const FrameResult result = renderFrame(ready, toNoise(0.1, static_cast<std::uint32_t>(seed)));
+        const FrameResult result = renderFrame(ready, toNoise(shares ? 0.07 : 0.1, static_cast<std::uint32_t>(seed), shares));
         const std::vector<float> picture = coloursOf(result.film.resolve());
         double difference = 0;
         for (std::size_t i = 0; i < picture.size(); ++i) {
@@ -302,25 +305,32 @@ TEST_CASE("picture noise: pictures have the mean of a converged one", "[picture-
 }
 
 TEST_CASE("picture noise: a rendered picture has the noise that is asked for, and says so", "[picture-noise]") {
-    RenderScene ready(noisyScene(96), false);
+    Scene scene = noisyScene(96);
+    scene.render.boxFilter = false;
+    RenderScene ready(scene, false);
     ready.setFrame(1);
-    for (const double goal : {0.1, 0.04}) {
-        const FrameResult a = renderFrame(ready, toNoise(goal, 1));
-        const FrameResult b = renderFrame(ready, toNoise(goal, 2));
+    for (const auto &[goal, shares] : {std::pair(0.1, false), std::pair(0.04, false), std::pair(0.1, true), std::pair(0.04, true)}) {
+        const FrameResult a = renderFrame(ready, toNoise(goal, 1, shares));
+        const FrameResult b = renderFrame(ready, toNoise(goal, 2, shares));
         const double noise = noiseOfTwo(a.film, b.film);
-        INFO(goal << ": true " << noise << ", told " << a.reached->error << " and " << b.reached->error << ", p " << a.reached->exponent);
+        INFO(goal << (shares ? ", shared" : "") << ": true " << noise << ", told " << a.reached->error << " and " << b.reached->error
+                  << ", p " << a.reached->exponent);
         CHECK(noise < 1.15 * goal);
         CHECK(noise > 0.5 * goal);
         CHECK(a.reached->error < 1.3 * noise);
         CHECK(a.reached->error > 0.7 * noise);
+        CHECK(a.reached->controls > 10);
         CHECK(a.film.samples() > 2 * static_cast<int>(a.film.samplesAt(0, 0))); // the sky is even
     }
 }
 
 TEST_CASE("picture noise: the same bits for any number of threads, budgets, and after going on elsewhere", "[picture-noise]") {
-    RenderScene ready(noisyScene(52), false);
+    const bool shares = GENERATE(false, true);
+    Scene scene = noisyScene(52);
+    scene.render.boxFilter = !shares;
+    RenderScene ready(scene, false);
     ready.setFrame(1);
-    const FrameOptions options = toNoise(0.08, 5);
+    const FrameOptions options = toNoise(0.08, 5, shares);
     const auto onThreads = [&](std::size_t threads) {
         const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
         return renderFrame(ready, options).film;
@@ -341,7 +351,7 @@ TEST_CASE("picture noise: the same bits for any number of threads, budgets, and 
     CHECK(std::move(other).takeFilm() == whole);
     CHECK(reached.error == renderFrame(ready, options).reached->error);
     // Of another goal, or damaged: refused, and nothing is changed.
-    FrameRender strange(ready, toNoise(0.07, 5));
+    FrameRender strange(ready, toNoise(0.07, 5, shares));
     std::istringstream again(bytes);
     CHECK_THROWS_AS(strange.restore(again), InputError);
     for (std::size_t cut : {bytes.size() - 1, bytes.size() - 400}) {

@@ -193,7 +193,10 @@ int render(RenderArguments &arguments) {
 
     PlannedScene planned = planFor(loaded, arguments.model);
     if (arguments.verbose) std::cerr << planTable(loaded, planned.plan) << pilotLines(planned.plan) << std::flush;
-    if (planned.plan.budget) options.picture = PictureGoal{static_cast<double>(planned.plan.budget->noise), planned.plan.budget->firstSamples};
+    if (planned.plan.budget) {
+        options.picture = PictureGoal{static_cast<double>(planned.plan.budget->noise), planned.plan.budget->firstSamples};
+        options.shares = mayShare(options, render);
+    }
     RenderScene ready(std::move(loaded), std::move(planned.plan), render.frames.size() > 1, std::move(planned.surfaces));
     std::optional<TevDisplay> display;
     if (!arguments.display.empty() && !arguments.check) display.emplace(arguments.display);

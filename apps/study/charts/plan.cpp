@@ -32,6 +32,10 @@ double processSeconds() {
     return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
+/// How the full model is left behind, step by step.
+enum class Way { SamplesWhereNeeded, SharedByPixels, Planned };
+constexpr std::array kWays{Way::SamplesWhereNeeded, Way::SharedByPixels, Way::Planned};
+
 /// A picture with the time of all that it took from the scene on.
 struct Shot {
     std::vector<float> values;
@@ -48,12 +52,13 @@ std::vector<float> coloursOf(const Film &film) {
     return colours;
 }
 
-Shot shoot(const Scene &scene, double frame, PlannedScene planned, FrameOptions options, double began) {
+Shot shoot(const Scene &scene, double frame, PlannedScene planned, FrameOptions options, bool shares, double began) {
     Shot shot;
     shot.plan = planned.plan;
     if (planned.plan.budget) {
         options.picture = PictureGoal{static_cast<double>(planned.plan.budget->noise), planned.plan.budget->firstSamples};
         options.spp = kMost;
+        options.shares = shares && mayShare(options, scene.render);
     }
     RenderScene ready(scene, std::move(planned.plan), false, std::move(planned.surfaces));
     ready.setFrame(frame);
@@ -65,14 +70,14 @@ Shot shoot(const Scene &scene, double frame, PlannedScene planned, FrameOptions 
     return shot;
 }
 
-Shot shootTo(const Scene &scene, double frame, float error, bool full, std::uint32_t seed) {
+Shot shootTo(const Scene &scene, double frame, float error, Way way, std::uint32_t seed) {
     const double began = processSeconds();
     PlanOptions options;
     options.error = error;
-    options.full = full;
+    options.full = way != Way::Planned;
     FrameOptions frameOptions;
     frameOptions.seed = seed;
-    return shoot(scene, frame, planByPilots(scene, options), frameOptions, began);
+    return shoot(scene, frame, planByPilots(scene, options), frameOptions, way != Way::SamplesWhereNeeded, began);
 }
 
 Shot shootFixed(const Scene &scene, double frame, int spp, std::uint32_t seed) {
@@ -82,7 +87,7 @@ Shot shootFixed(const Scene &scene, double frame, int spp, std::uint32_t seed) {
     FrameOptions options;
     options.spp = spp;
     options.seed = seed;
-    return shoot(scene, frame, std::move(planned), options, began);
+    return shoot(scene, frame, std::move(planned), options, false, began);
 }
 
 /// Two pictures of the full model that know nothing of each other: means over all samples that were ever taken of it.
@@ -164,8 +169,8 @@ class FixedSamples {
     References references_;
 };
 
-/// One way to render to an error.
-struct Way {
+/// What a way to render to an error came to.
+struct Reached {
     double error = 0, told = 0;
     double seconds = 0;
     double fixed = 0; ///< s of the full model with the fewest samples, the same in every pixel, that reach the asked error
@@ -175,7 +180,8 @@ struct Way {
 
 struct Outcome {
     std::string name;
-    std::array<Way, kErrors.size()> planned, samplesAlone;
+    std::array<std::array<Reached, kErrors.size()>, kWays.size()> ways;
+    [[nodiscard]] const Reached &of(Way way, std::size_t error) const { return ways[static_cast<std::size_t>(way)][error]; }
     std::array<FixedSamples::Tried, kByHand.size()> byHand;
 };
 
@@ -188,10 +194,10 @@ Outcome outcomeOf(const ErrorScene &from, int most) {
     for (std::size_t i = 0; i < kErrors.size(); ++i) seconds[i] = fixed.secondsTo(static_cast<double>(kErrors[i]));
     for (std::size_t i = 0; i < kByHand.size(); ++i) outcome.byHand[i] = fixed.at(std::min(kByHand[i], most));
     for (std::size_t i = 0; i < kErrors.size(); ++i)
-        for (const bool full : {false, true}) {
-            const Shot shot = shootTo(scene, from.frame, kErrors[i], full, 17);
-            Way &way = full ? outcome.samplesAlone[i] : outcome.planned[i];
-            way = {fixed.references().trueError(shot.values), shot.told, shot.seconds, seconds[i], shot.samples};
+        for (const Way way : kWays) {
+            const Shot shot = shootTo(scene, from.frame, kErrors[i], way, 17);
+            outcome.ways[static_cast<std::size_t>(way)][i] = {fixed.references().trueError(shot.values), shot.told, shot.seconds,
+                                                              seconds[i], shot.samples};
         }
     return outcome;
 }
@@ -203,11 +209,11 @@ double geometricMean(const std::vector<double> &values) {
 }
 
 /// Ratios of time over all scenes, of one asked error or of all.
-std::vector<double> ratiosOf(const std::vector<Outcome> &outcomes, bool planned, std::optional<std::size_t> error) {
+std::vector<double> ratiosOf(const std::vector<Outcome> &outcomes, Way way, std::optional<std::size_t> error) {
     std::vector<double> ratios;
     for (const Outcome &outcome : outcomes)
         for (std::size_t i = 0; i < kErrors.size(); ++i)
-            if (!error || *error == i) ratios.push_back((planned ? outcome.planned : outcome.samplesAlone)[i].ratio());
+            if (!error || *error == i) ratios.push_back(outcome.of(way, i).ratio());
     return ratios;
 }
 
@@ -219,9 +225,10 @@ std::string asked(std::size_t i) {
 void tell(const Outcome &outcome) {
     std::cerr << outcome.name;
     for (std::size_t i = 0; i < kErrors.size(); ++i) {
-        const Way &way = outcome.planned[i];
+        const Reached &way = outcome.of(Way::Planned, i);
         std::cerr << "; " << kErrors[i] << ": true " << digits(way.error) << ", told " << digits(way.told) << ", time "
-                  << digits(way.ratio()) << ", samples alone " << digits(outcome.samplesAlone[i].ratio());
+                  << digits(way.ratio()) << ", full model " << digits(outcome.of(Way::SharedByPixels, i).ratio()) << ", not shared "
+                  << digits(outcome.of(Way::SamplesWhereNeeded, i).ratio());
     }
     std::cerr << std::endl;
 }
@@ -259,14 +266,15 @@ Chart measurePlan(const ChartOptions &options) {
     Panel hand{"hand", "By hand and by an error", conditions, {"time", "s"}, {"true error of the picture, relative RMS", ""}, {}};
     hand.hasFront = hand.labelled = false;
     Panel parts{"parts",
-                "All scenes: what samples save, and what models save beside",
+                "All scenes: what samples, shares and models save, one beside the other",
                 conditions,
                 {"time to the asked error, geometric mean", "", false},
                 {"error that is asked for", ""},
                 {}};
     parts.joined = true;
     parts.hasFront = false;
-    Table table{"scenes", "Every scene", {"scene", "asked", "true error", "told", "samples a pixel", "time over full", "samples alone"}};
+    Table table{
+        "scenes", "Every scene", {"scene", "asked", "true error", "told", "samples a pixel", "time over full", "full model", "not shared"}};
     std::size_t kept = 0;
     std::vector<double> shares;
     double slowest = 0;
@@ -279,13 +287,14 @@ Chart measurePlan(const ChartOptions &options) {
                                    false});
     for (const Outcome &outcome : outcomes)
         for (std::size_t i = 0; i < kErrors.size(); ++i) {
-            const Way &way = outcome.planned[i];
+            const Reached &way = outcome.of(Way::Planned, i);
             hand.points.push_back({asked(i), outcome.name, {way.seconds}, {way.error}, false});
             const auto error = static_cast<double>(kErrors[i]);
             honesty.points.push_back({asked(i), outcome.name, {error}, {way.error}, false});
             time.points.push_back({asked(i), outcome.name, {way.ratio()}, {way.error}, false});
             table.rows.push_back({outcome.name, digits(error), digits(way.error), digits(way.told), digits(way.samples),
-                                  digits(way.ratio()), digits(outcome.samplesAlone[i].ratio())});
+                                  digits(way.ratio()), digits(outcome.of(Way::SharedByPixels, i).ratio()),
+                                  digits(outcome.of(Way::SamplesWhereNeeded, i).ratio())});
             kept += way.error <= error ? 1 : 0;
             shares.push_back(way.error / error);
             slowest = std::max(slowest, way.ratio());
@@ -294,10 +303,12 @@ Chart measurePlan(const ChartOptions &options) {
     for (std::size_t i = 0; i < kErrors.size(); ++i) {
         const Measured error{static_cast<double>(kErrors[i])};
         parts.points.push_back({"full model, fixed samples", asked(i), {1}, error, false});
-        parts.points.push_back(
-            {"full model, samples where they are needed", asked(i), {geometricMean(ratiosOf(outcomes, false, i))}, error, false});
-        parts.points.push_back(
-            {"plan, samples where they are needed", asked(i), {geometricMean(ratiosOf(outcomes, true, i))}, error, true});
+        const auto add = [&](const char *name, Way way) {
+            parts.points.push_back({name, asked(i), {geometricMean(ratiosOf(outcomes, way, i))}, error, way == Way::Planned});
+        };
+        add("full model, samples where they are needed", Way::SamplesWhereNeeded);
+        add("and shared by pixels", Way::SharedByPixels);
+        add("plan", Way::Planned);
     }
     Chart chart{
         "plan", "An error that is asked for",
@@ -308,12 +319,13 @@ Chart measurePlan(const ChartOptions &options) {
         "time."};
     chart.panels = {honesty, time, hand, parts};
     chart.tables = {table};
-    const std::vector<double> all = ratiosOf(outcomes, true, std::nullopt);
+    const std::vector<double> all = ratiosOf(outcomes, Way::Planned, std::nullopt);
     chart.choice = "The true error is at most the asked one in " + std::to_string(kept) + " of " + std::to_string(shares.size()) +
                    " pictures, and " + digits(shares[shares.size() / 2]) + " of it in the median (" + digits(shares.front()) + " to " +
                    digits(shares.back()) + "). Time for the same error over the full model with the best fixed samples: geometric mean " +
-                   digits(geometricMean(all)) + ", slowest " + digits(slowest) + "; samples alone " +
-                   digits(geometricMean(ratiosOf(outcomes, false, std::nullopt))) + ".";
+                   digits(geometricMean(all)) + ", slowest " + digits(slowest) + "; the full model " +
+                   digits(geometricMean(ratiosOf(outcomes, Way::SharedByPixels, std::nullopt))) + ", and without sharing " +
+                   digits(geometricMean(ratiosOf(outcomes, Way::SamplesWhereNeeded, std::nullopt))) + ".";
     return chart;
 }
 

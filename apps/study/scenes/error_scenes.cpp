@@ -20,6 +20,7 @@ namespace fs = std::filesystem;
 
 Scene atFrame(Scene scene, double frame, int width) {
     scene.render.frames = {static_cast<int>(frame)};
+    scene.render.boxFilter = false; // as a scene has it that says nothing
     return atWidth(std::move(scene), width);
 }
 
@@ -80,7 +81,8 @@ std::vector<ErrorScene> errorScenes(int width) {
     for (const BenchScene &bench : benchScenes()) add(bench.name, bench.frames, bench.make);
     for (const PlanScene &plan : planScenes(width)) add(plan.name, plan.frame, [scene = plan.scene] { return scene; });
     for (const DenoiseScene &demo : denoiseScenes())
-        if (demo.name == "panel" || demo.name == "body" || demo.name == "plates" || demo.name == "rubber") add(demo.name, demo.frame, demo.make);
+        if (demo.name == "panel" || demo.name == "body" || demo.name == "plates" || demo.name == "rubber")
+            add(demo.name, demo.frame, demo.make);
     add("many lights", 1, manyLights);
     add("far crowd", 1, farCrowd);
     add("planned cage, near and smooth", 3, [] { return planned(0.02F, 1.9, 8); });

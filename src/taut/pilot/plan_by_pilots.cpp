@@ -4,6 +4,8 @@
 #include "taut/pilot/foreseen_time.h"
 #include "taut/pilot/pilot_picture.h"
 #include "taut/plan/mesh_questions.h"
+#include "taut/render/frame_render.h"
+#include "taut/render/pixel_filter.h"
 
 #include <algorithm>
 #include <array>
@@ -280,9 +282,10 @@ class PilotedPlan {
         return sampling;
     }
 
-    /// Samples a pixel until the noise is this.
-    static double samplesFor(const Sampling &sampling, double noise) {
-        return std::max(1.0, std::pow(sampling.noise / noise, 2 / kTypicalExponent));
+    /// Samples a pixel until the noise is this, shared by pixels where they may be.
+    [[nodiscard]] double samplesFor(const Sampling &sampling, double noise) const {
+        const double shared = mayShare({}, scene_.render) ? std::sqrt(kSharedVariance) : 1;
+        return std::max(1.0, std::pow(shared * sampling.noise / noise, 2 / kTypicalExponent));
     }
 
     [[nodiscard]] double secondsOf(const ScenePlan &plan, double error) const {

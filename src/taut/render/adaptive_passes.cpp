@@ -77,11 +77,13 @@ void AdaptivePasses::make(const PassPiece &piece, const Film &film, PassScratch 
         samplePass(std::get<PictureNoise>(goal_), piece.blocks, piece.window, film, scratch.colours, trace);
 }
 
-std::vector<PassPiece> AdaptivePasses::drawControls() {
+std::vector<PassPiece> AdaptivePasses::drawControls(const Film &film) {
     std::vector<PassPiece> pieces;
-    if (auto *picture = std::get_if<PictureNoise>(&goal_))
-        for (const Control &control : picture->drawControls())
-            pieces.push_back({control.window, {control.block}, picture->errorOf(control.block).samples});
+    auto *picture = std::get_if<PictureNoise>(&goal_);
+    if (picture == nullptr) return pieces;
+    if (film.sharedSums() != nullptr) picture->see(film);
+    for (const Control &control : picture->drawControls())
+        pieces.push_back({control.window, {control.block}, picture->errorOf(control.block).samples});
     return pieces;
 }
 
@@ -90,10 +92,9 @@ void AdaptivePasses::decide(const Film &film, const std::vector<PassPiece> &cont
         std::vector<double> variances;
         std::vector<double> sums;
         for (std::size_t k = 0; k < controls.size(); ++k) {
-            ColourSums::fill(film, controls[k].window, sums);
-            double squares = 0;
-            for (std::size_t i = 0; i < sums.size(); ++i) squares += sqr(sums[i] / controls[k].last - again[k][i]);
-            variances.push_back(0.5 * squares / static_cast<double>(sums.size()));
+            const auto &[window, blocks, last] = controls[k];
+            ColourSums::fill(film, window, sums);
+            variances.push_back(0.5 * squaredDifference(window, window, sums, 1.0 / last, again[k], 1.0 / last));
         }
         picture->decide(variances);
     } else {

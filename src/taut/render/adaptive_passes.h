@@ -49,8 +49,8 @@ class AdaptivePasses {
     void make(const PassPiece &piece, const Film &film, PassScratch &scratch, const std::function<double(const Window &, int, int)> &trace);
     /// When all pieces are made: windows to be rendered again with other random numbers, and as many samples. Once there are some, they are
     /// the same ones after every pass.
-    std::vector<PassPiece> drawControls();
-    /// Then what is next. `again`: means of R, G, B of each of those windows, row by row.
+    std::vector<PassPiece> drawControls(const Film &film);
+    /// Then what is next. `again`: the sums of each of those windows (ColourSums).
     void decide(const Film &film, const std::vector<PassPiece> &controls, const std::vector<std::vector<double>> &again);
 
     /// Share of the work that is done, for progress.

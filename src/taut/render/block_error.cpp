@@ -6,14 +6,48 @@ namespace taut {
 
 namespace {
 
-/// Mean over a block's values of what `value` makes of their place in the window's sums.
-template <class Value> double meanOver(const Window &block, const Window &window, const Value &value) {
+constexpr std::size_t kShared = SharedSums::kShares * SharedSums::kValues;
+
+/// Mean over R, G, B of the square of a difference between sums of a pixel.
+double ofColours(const double *first, double s1, const double *second, double s2) {
     double sum = 0;
-    for (int y = block.y0; y < block.y1; ++y)
-        for (int x = block.x0; x < block.x1; ++x)
-            for (int channel = 0; channel < 3; ++channel)
-                sum += value(static_cast<std::size_t>(((y - window.y0) * window.width() + x - window.x0) * 3 + channel));
-    return sum / (3.0 * block.width() * block.height());
+    for (std::size_t i = 0; i < 3; ++i) sum += sqr(s1 * first[i] - s2 * second[i]);
+    return sum / 3;
+}
+
+/// Of what a pixel shares. The picture is a mean by the weights that there are: too much weight brings a pixel only what its light is off
+/// the mean around, for which the mean of the pixel that gives is taken.
+double ofShares(const double *first, double s1, const double *second, double s2) {
+    constexpr std::size_t n = SharedSums::kShares;
+    const auto sumOf = [&](const double *values) {
+        double sum = 0;
+        for (std::size_t k = 0; k < n; ++k) sum += values[k];
+        return sum;
+    };
+    std::array<double, n> weights{};
+    for (std::size_t k = 0; k < n; ++k) weights[k] = s1 * first[4 * n + k] - s2 * second[4 * n + k];
+    const double weight = sumOf(second + 4 * n);
+    double sum = 0;
+    for (std::size_t channel = 0; channel < 3; ++channel) {
+        const double *a = first + channel * n;
+        const double *b = second + channel * n;
+        const double mean = weight > 0 ? sumOf(b) / weight : 0;
+        for (std::size_t k = 0; k < n; ++k) sum += sqr(s1 * a[k] - s2 * b[k] - mean * weights[k]);
+    }
+    return sum / 3;
+}
+
+/// Mean over a part's pixels of what `value` makes of their place in the window's sums.
+template <class Value> double meanOver(const Window &part, const Window &window, std::size_t perPixel, const Value &value) {
+    double sum = 0;
+    for (int y = part.y0; y < part.y1; ++y)
+        for (int x = part.x0; x < part.x1; ++x)
+            sum += value(static_cast<std::size_t>((y - window.y0) * window.width() + x - window.x0) * perPixel);
+    return sum / (static_cast<double>(part.width()) * part.height());
+}
+
+std::size_t valuesAPixel(const Window &window, std::span<const double> sums) {
+    return sums.size() / (static_cast<std::size_t>(window.width()) * static_cast<std::size_t>(window.height()));
 }
 
 } // namespace
@@ -21,20 +55,33 @@ template <class Value> double meanOver(const Window &block, const Window &window
 void ColourSums::fill(const Film &film, const Window &window, std::vector<double> &sums) {
     sums.clear();
     for (int y = window.y0; y < window.y1; ++y)
-        for (int x = window.x0; x < window.x1; ++x)
-            for (std::size_t channel = 0; channel < 3; ++channel) sums.push_back(film.sumAt(x, y, channel).value());
+        for (int x = window.x0; x < window.x1; ++x) {
+            if (const SharedSums *shared = film.sharedSums())
+                for (const auto &shares : shared->at(x, y)) sums.insert(sums.end(), shares.begin(), shares.end());
+            else
+                for (std::size_t channel = 0; channel < 3; ++channel) sums.push_back(film.sumAt(x, y, channel).value());
+        }
+}
+
+double squaredDifference(const Window &part, const Window &window, std::span<const double> first, double s1, std::span<const double> second,
+                         double s2) {
+    const std::size_t perPixel = valuesAPixel(window, first);
+    const auto of = perPixel == kShared ? ofShares : ofColours;
+    return meanOver(part, window, perPixel, [&](std::size_t at) { return of(&first[at], s1, &second[at], s2); });
 }
 
 BlockError blockErrorOf(const Window &block, const Window &window, const ColourSums &sums, int middle, int last) {
     const double before = middle;
     const double added = last - middle;
-    const double difference = meanOver(block, window, [&](std::size_t i) {
-        const double d = sums.half[i] / before - (sums.all[i] - sums.half[i]) / added;
-        return d * d;
-    });
-    const double square = meanOver(block, window, [&](std::size_t i) { return sums.all[i] * sums.all[i]; });
     const double n = last;
-    return {last, difference * before * added / (n * n), square / (n * n), 0};
+    // half / before - (all - half) / added
+    const double difference = squaredDifference(block, window, sums.half, 1 / before + 1 / added, sums.all, 1 / added);
+    const std::size_t perPixel = valuesAPixel(window, sums.all);
+    // Where pixels share, what the picture is depends on others (PictureNoise::see).
+    const double square = perPixel == kShared ? 0 : meanOver(block, window, perPixel, [&](std::size_t at) {
+        return ofColours(&sums.all[at], 1 / n, &sums.all[at], 0);
+    });
+    return {last, difference * before * added / (n * n), square, 0};
 }
 
 } // namespace taut

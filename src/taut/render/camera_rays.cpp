@@ -26,9 +26,9 @@ struct PixelGrid {
         for (int i = 0; i < count; ++i) l.seed[i] = hash(l.seed[i], l.sample[i]);
 #pragma GCC ivdep
     for (int i = 0; i < count; ++i) {
-        const Vec2 u = sobol2(l.sample[i], hash(l.seed[i], kFilterDimension));
-        l.u[i] = u.x;
-        l.v[i] = u.y;
+        const Vec2 u = sobolFourthFifth(l.sample[i], hash(l.seed[i], dimensionOf(0, kLightNumbers)), hash(l.seed[i], kFilterDimension));
+        l.filterU[i] = u.x;
+        l.filterV[i] = u.y;
     }
 }
 
@@ -37,8 +37,8 @@ struct PixelGrid {
     const int count = l.count;
 #pragma GCC ivdep
     for (int i = 0; i < count; ++i) {
-        l.u[i] -= 0.5F;
-        l.v[i] -= 0.5F;
+        l.u[i] = l.filterU[i] - 0.5F;
+        l.v[i] = l.filterV[i] - 0.5F;
     }
 }
 
@@ -138,8 +138,13 @@ void cameraRays(const RenderScene &scene, const TraceSettings &settings, CameraL
         if (settings.boxFilter && !l.centred) {
             Loops::box(l);
         } else {
+            const auto offsetOf = [&](std::size_t i) {
+                if (l.centred) return Vec2(0);
+                const Vec2 u(l.filterU[i], l.filterV[i]);
+                return settings.shared ? sharedOffset(*settings.shared, l.x[i], l.y[i], u) : sampleFilter(settings.boxFilter, u);
+            };
             for (std::size_t i = 0; i < static_cast<std::size_t>(l.count); ++i) {
-                const Vec2 offset = l.centred ? Vec2(0) : sampleFilter(settings.boxFilter, {l.u[i], l.v[i]});
+                const Vec2 offset = offsetOf(i);
                 l.u[i] = offset.x;
                 l.v[i] = offset.y;
             }

@@ -4,14 +4,10 @@
 #include "taut/base/instructions.h"
 #include "taut/base/lanes.h"
 #include "taut/render/render_scene.h"
+#include "taut/render/sample_dimensions.h"
 #include "taut/render/trace_settings.h"
 
 namespace taut {
-
-/// Dimensions of the sample sequence that a camera ray draws; those of scattering events follow.
-enum CameraDimension : std::uint32_t { kFilterDimension, kLensDimension, kCameraDimensions };
-/// The time within the shutter has a number of its own, so that events keep theirs with and without motion blur.
-inline constexpr std::uint32_t kTimeDimension = 0x40000000U;
 
 struct alignas(64) CameraLanes {
     static constexpr int kSize = 64;
@@ -22,6 +18,7 @@ struct alignas(64) CameraLanes {
     std::uint32_t sample[kSize]; ///< of the pixel
     // Answered.
     std::uint32_t seed[kSize];       ///< of the pixel's sample sequence
+    float filterU[kSize], filterV[kSize]; ///< place within the pixel's filter, 0 to 1
     float time[kSize];               ///< within the shutter, 0 to 1
     Lanes3<kSize> origin, direction; ///< render space; unit
     // Between.

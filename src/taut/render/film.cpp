@@ -16,6 +16,8 @@ namespace {
 constexpr std::string_view kMagic = "taut film 2\n";
 /// Among the names of its AOVs: sums for denoising follow.
 constexpr std::string_view kDenoise = "+denoise2";
+/// Sums of shared samples follow.
+constexpr std::string_view kShares = "+shared1";
 /// Pixels that are read or written at once.
 constexpr std::size_t kBlock = 4096;
 /// Before the words of layers, among the names of AOVs.
@@ -44,9 +46,10 @@ std::uint64_t bytesLeft(std::istream &in) {
 
 } // namespace
 
-Film::Film(const Window &window, const std::vector<Aov> &aovs, const FilmLayers &layers, int denoiseBlock)
+Film::Film(const Window &window, const std::vector<Aov> &aovs, const FilmLayers &layers, int denoiseBlock, bool shares)
     : window_(window), aovs_(aovs), layers_(layers) {
     if (denoiseBlock > 0) denoise_.emplace(window, denoiseBlock);
+    if (shares) shared_.emplace(window);
     for (const Aov aov : aovs_) stride_ += infoOf(aov).channels.size();
     const std::size_t pixels = window.empty() ? 0 : static_cast<std::size_t>(window.width()) * static_cast<std::size_t>(window.height());
     layers_.resize(pixels);
@@ -82,6 +85,7 @@ void Film::merge(const Film &other) {
         throw InputError("film: found a film with other AOVs, expected the same ones to merge");
     if (other.denoise_.has_value() != denoise_.has_value())
         throw InputError("film: found sums for denoising in one film and none in the other, expected them in both or in none");
+    if (shared_ || other.shared_) throw InputError("film: found pixels that share their samples, expected films of even samples to merge");
     if (!window_.contains(other.window_)) {
         Film both(unionOf(window_, other.window_), aovs_, layers(), denoiseBlock());
         both.merge(*this);
@@ -101,6 +105,7 @@ void Film::merge(const Film &other) {
 
 void Film::copy(const Film &from, const Window &part) {
     if (denoise_ && from.denoise_) denoise_->copy(*from.denoise_, part);
+    if (shared_ && from.shared_) shared_->copy(*from.shared_, part);
     const auto width = static_cast<std::size_t>(part.width());
     for (int y = part.y0; y < part.y1; ++y) {
         const std::size_t source = from.pixelAt(part.x0, y);
@@ -127,13 +132,24 @@ double Film::luminanceSum(int x, int y) const {
     return 0.2126 * sum[0].value() + 0.7152 * sum[1].value() + 0.0722 * sum[2].value();
 }
 
+std::array<float, 4> Film::colourAt(int x, int y) const {
+    if (shared_) return shared_->resolve(x, y, counts_);
+    const std::size_t pixel = pixelAt(x, y);
+    const double inverse = counts_[pixel] > 0 ? 1.0 / counts_[pixel] : 0.0;
+    std::array<float, 4> colour{};
+    for (std::size_t c = 0; c < 4; ++c) colour[c] = static_cast<float>(sums_[pixel * stride_ + c].value() * inverse);
+    return colour;
+}
+
 std::vector<float> Film::resolve() const {
     std::vector<float> values;
     values.reserve(counts_.size() * channelNames().size());
     for (std::size_t p = 0; p < counts_.size(); ++p) {
         const ExactSum *sum = &sums_[p * stride_];
-        const double inverse = counts_[p] > 0 ? 1.0 / counts_[p] : 0.0;
-        for (std::size_t c = 0; c < 4; ++c) values.push_back(static_cast<float>(sum[c].value() * inverse));
+        const int across = static_cast<int>(p) % window_.width();
+        const int down = static_cast<int>(p) / window_.width();
+        const std::array<float, 4> colour = colourAt(window_.x0 + across, window_.y0 + down);
+        values.insert(values.end(), colour.begin(), colour.end());
         for (std::size_t c = 4; c < stride_; ++c) values.push_back(hits_[p] > 0 ? static_cast<float>(sum[c].value() / hits_[p]) : 0.0F);
         layers_.resolve(p, counts_[p], sum, values);
     }
@@ -145,6 +161,7 @@ void Film::save(std::ostream &out) const {
     for (const Aov aov : aovs_) out << infoOf(aov).name << ' ';
     for (const std::string &word : layers().words()) out << kLayerMark << word << ' ';
     if (denoise_) out << kDenoise << ' ';
+    if (shared_) out << kShares << ' ';
     out << '\n';
     const std::array<std::int32_t, 4> window{window_.x0, window_.y0, window_.x1, window_.y1};
     writeRaw(out, window.data(), window.size());
@@ -159,6 +176,7 @@ void Film::save(std::ostream &out) const {
         writeRaw(out, bytes.data(), bytes.size());
     }
     if (denoise_) denoise_->save(out);
+    if (shared_) shared_->save(out);
 }
 
 Film Film::load(std::istream &in) {
@@ -168,6 +186,7 @@ Film Film::load(std::istream &in) {
     std::vector<Aov> aovs;
     FilmLayers layers;
     bool denoises = false;
+    bool shares = false;
     std::string name;
     for (int c = in.get(); c != '\n'; c = in.get()) {
         if (c == std::istream::traits_type::eof() || name.size() > 64) throw InputError("film: found no end of the names of its AOVs");
@@ -178,6 +197,8 @@ Film Film::load(std::istream &in) {
         const std::string_view view = name;
         if (view == kDenoise)
             denoises = true;
+        else if (view == kShares)
+            shares = true;
         else if (view.starts_with(kLayerMark))
             layers.addWord(view.substr(1));
         else
@@ -210,6 +231,7 @@ Film Film::load(std::istream &in) {
         film.layers_.unpack(std::span(film.counts_).subspan(first, last - first), unpacker);
     }
     if (denoises) film.denoise_ = DenoiseSums::load(in, window);
+    if (shares) film.shared_ = SharedSums::load(in, window);
     return film;
 }
 

@@ -1,14 +1,17 @@
 #pragma once
 /// Pixel sums. Sums are exact (base/exact_sum.h), so a pixel is the same bits for any order of its samples and any split of samples or
-/// pixels over threads, passes, films, processes and machines. Films can be read, saved, restored and merged at any time.
+/// pixels over threads, passes, films, processes and machines. Films can be read, saved, restored and merged at any time. Where pixels
+/// share their samples (shared_sums.h) the picture depends on their order too, and films are not merged.
 
 #include "taut/base/exact_sum.h"
 #include "taut/base/vec.h"
 #include "taut/render/aov.h"
 #include "taut/render/denoise_sums.h"
 #include "taut/render/film_layers.h"
+#include "taut/render/shared_sums.h"
 #include "taut/render/window.h"
 
+#include <array>
 #include <iosfwd>
 #include <optional>
 #include <string>
@@ -21,7 +24,9 @@ namespace taut {
 class Film {
   public:
     /// `denoiseBlock`: keeps what denoise() needs as well, halves dealt in blocks of so many samples (denoise_sums.h); 0: does not.
-    Film(const Window &window, const std::vector<Aov> &aovs, const FilmLayers &layers = {}, int denoiseBlock = 0);
+    /// `shares`: its picture is that of shared samples, which are to be added to sharedSums() beside add(); the sums of pixels are of
+    /// their own samples then.
+    Film(const Window &window, const std::vector<Aov> &aovs, const FilmLayers &layers = {}, int denoiseBlock = 0, bool shares = false);
 
     [[nodiscard]] const Window &window() const { return window_; }
     [[nodiscard]] const std::vector<Aov> &aovs() const { return aovs_; }
@@ -38,9 +43,14 @@ class Film {
     [[nodiscard]] DenoiseSums *denoiseSums() { return denoise_ ? &*denoise_ : nullptr; }
     [[nodiscard]] const DenoiseSums *denoiseSums() const { return denoise_ ? &*denoise_ : nullptr; }
     [[nodiscard]] int denoiseBlock() const { return denoise_ ? denoise_->block() : 0; }
+    /// Null where pixels do not share.
+    [[nodiscard]] SharedSums *sharedSums() { return shared_ ? &*shared_ : nullptr; }
+    [[nodiscard]] const SharedSums *sharedSums() const { return shared_ ? &*shared_ : nullptr; }
+    /// R, G, B, A of a pixel of the picture: means; 0 where there is no sample.
+    [[nodiscard]] std::array<float, 4> colourAt(int x, int y) const;
     /// Adds the samples of another film; the window grows to hold both. Whose samples those are is the caller's to know: a sample that
-    /// is in both counts twice. Throws InputError where the AOVs or layers are others, or one keeps what denoising needs and the other
-    /// does not.
+    /// is in both counts twice. Throws InputError where the AOVs or layers are others, one keeps what denoising needs and the other
+    /// does not, or pixels share.
     void merge(const Film &other);
     /// Takes over the pixels of a part, which both films have.
     void copy(const Film &from, const Window &part);
@@ -73,6 +83,7 @@ class Film {
     std::vector<ExactSum> sums_;        // [pixels x stride]
     LayerSums layers_;
     std::optional<DenoiseSums> denoise_;
+    std::optional<SharedSums> shared_;
 
     [[nodiscard]] std::size_t pixelAt(int x, int y) const {
         return static_cast<std::size_t>(y - window_.y0) * static_cast<std::size_t>(window_.width()) +

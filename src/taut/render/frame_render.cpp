@@ -41,8 +41,8 @@ double secondsSince(Clock::time_point start) {
 
 struct FrameRender::State {
     State(const RenderScene &scene_, const FrameOptions &options_)
-        : options(options_), film(affordable(scene_.scene(), windowOf(options_, scene_.scene().render)), options_.aovs,
-                                  layersOf(options_.layers, scene_.scene()), options_.denoiseBlock),
+        : options(options_), film(affordable(scene_.scene(), windowOf(options_, scene_.scene().render), options_.shares), options_.aovs,
+                                  layersOf(options_.layers, scene_.scene()), options_.denoiseBlock, options_.shares),
           layers(layerTables(scene_, film.layers())), materials(prepareMaterials(scene_.scene(), scene_.plan())), workers([&scene_, this] {
               return Worker{PathTracer(scene_, materials, settingsOf(scene_, options.seed)), {}, {}, {}};
           }),
@@ -107,7 +107,8 @@ struct FrameRender::State {
                 film.layers().hasSums() ? &layers : nullptr,
                 options.independent,
                 options.oneByOne,
-                options.before};
+                options.before,
+                options.shares ? std::optional(film.window()) : std::nullopt};
     }
     void tell();
     [[nodiscard]] std::size_t tileAt(int x, int y) const {
@@ -162,13 +163,13 @@ void FrameRender::State::advanceEvenly(const FrameBudget &budget) {
     }
 }
 
-/// Means of R, G, B of pieces of the frame with other random numbers than the film's. None where it was stopped.
+/// Sums of pieces of the frame with other random numbers than the film's. None where it was stopped.
 std::vector<std::vector<double>> FrameRender::State::renderAgain(const std::vector<PassPiece> &pieces) {
     if (again.size() != pieces.size()) {
         again.clear();
-        for (const PassPiece &piece : pieces) again.emplace_back(piece.window, std::vector<Aov>{});
+        for (const PassPiece &piece : pieces) again.emplace_back(piece.window, std::vector<Aov>{}, FilmLayers{}, 0, options.shares);
     }
-    std::vector<std::vector<double>> means(pieces.size());
+    std::vector<std::vector<double>> sums(pieces.size());
     parallelFor(pieces.size(), 1, [&](std::size_t i) {
         const Window &window = pieces[i].window;
         const auto first = static_cast<int>(again[i].samplesAt(window.x0, window.y0));
@@ -176,11 +177,10 @@ std::vector<std::vector<double>> FrameRender::State::renderAgain(const std::vect
         Worker &worker = otherWorkers.local();
         if (isOver() || !worker.tracer.traceTile(window, first, pieces[i].last, {again[i], lock, stopAsked}, worker.times, worker.counts))
             return;
-        ColourSums::fill(again[i], window, means[i]);
-        for (double &value : means[i]) value /= pieces[i].last;
+        ColourSums::fill(again[i], window, sums[i]);
     });
-    const bool whole = std::none_of(means.begin(), means.end(), [](const auto &m) { return m.empty(); });
-    return whole ? means : std::vector<std::vector<double>>{};
+    const bool whole = std::none_of(sums.begin(), sums.end(), [](const auto &s) { return s.empty(); });
+    return whole ? sums : std::vector<std::vector<double>>{};
 }
 
 /// As many samples for each block as the noise of others asks for.
@@ -203,10 +203,10 @@ void FrameRender::State::advanceAdaptively(bool onePass) {
             gotFurther = true;
         });
         if (!std::all_of(pieces.begin(), pieces.end(), isMade)) return;
-        const std::vector<PassPiece> controls = passes->drawControls();
-        const std::vector<std::vector<double>> means = renderAgain(controls);
-        if (means.size() < controls.size()) return;
-        passes->decide(film, controls, means);
+        const std::vector<PassPiece> controls = passes->drawControls(film);
+        const std::vector<std::vector<double>> others = renderAgain(controls);
+        if (others.size() < controls.size()) return;
+        passes->decide(film, controls, others);
         adaptiveShare = passes->share();
         tell();
         if (onePass) return;
@@ -251,7 +251,7 @@ double FrameRender::share() const {
 
 Film FrameRender::film() const {
     const State &s = *state_;
-    Film film(s.film.window(), s.film.aovs(), s.film.layers(), s.film.denoiseBlock());
+    Film film(s.film.window(), s.film.aovs(), s.film.layers(), s.film.denoiseBlock(), s.options.shares);
     for (std::size_t i = 0; i < s.tiles.size(); ++i) {
         const std::lock_guard lock(s.tileLocks[i]);
         film.copy(s.film, s.tiles[i]);
@@ -361,6 +361,9 @@ void FrameRender::restore(std::istream &in) {
         throw InputError("saved frame: found other AOVs, expected those asked for");
     if (film.denoiseBlock() != s.film.denoiseBlock())
         throw InputError("saved frame: found other sums for denoising, expected those asked for");
+    if ((film.sharedSums() != nullptr) != s.options.shares)
+        throw InputError(std::string("saved frame: found pixels that ") + (s.options.shares ? "do not share" : "share") +
+                         " their samples, expected the contrary");
     std::optional<AdaptivePasses> passes = s.passes;
     if (passes) passes->load(in);
     std::uint64_t pixelSamples = 0;

@@ -22,12 +22,13 @@ namespace taut {
 inline constexpr int kTimedPass = 4;
 
 struct FrameOptions {
-    int spp = 64;                    ///< samples a pixel; the upper bound where `seconds`, `noise` or `picture` are given
-    int firstSample = 0;             ///< number of the first of them: films of samples [0, n) and [n, m) merge into one of [0, m)
-    std::optional<double> seconds{}; ///< of renderFrame: stop after the pass in which this much time is over
-    std::optional<double> noise{};   ///< adaptive sampling to this relative noise (adaptive.h); firstSample is 0 then
+    int spp = 64;                         ///< samples a pixel; the upper bound where `seconds`, `noise` or `picture` are given
+    int firstSample = 0;                  ///< number of the first of them: films of samples [0, n) and [n, m) merge into one of [0, m)
+    std::optional<double> seconds{};      ///< of renderFrame: stop after the pass in which this much time is over
+    std::optional<double> noise{};        ///< adaptive sampling to this relative noise (adaptive.h); firstSample is 0 then
     std::optional<PictureGoal> picture{}; ///< or to this noise of the picture
-    Window window{};                 ///< pixels to render; empty: the whole frame
+    bool shares = false;                  ///< pixels share their samples (pixel_filter.h), where mayShare() says so; firstSample is 0 then
+    Window window{};                      ///< pixels to render; empty: the whole frame
     std::vector<Aov> aovs{};
     FilmLayers layers{};                 ///< their light groups are those of the scene, whatever is given
     int denoiseBlock = 0;                ///< of the film (film.h): what denoise() needs is kept as well; 0: it is not
@@ -106,9 +107,12 @@ struct FrameResult {
     StageTimes times; ///< rendering stages only
     RayCounts counts;
     std::optional<PictureNoiseReached> reached; ///< as in FrameRender
-    double seconds = 0;   ///< wall clock
-    bool complete = true; ///< false: the progress function stopped it
+    double seconds = 0;                         ///< wall clock
+    bool complete = true;                       ///< false: the progress function stopped it
 };
+
+/// Whether pixels may share their samples: R, G, B and A alone, filtered by Blackman-Harris.
+bool mayShare(const FrameOptions &options, const RenderSettings &render);
 
 /// Seed of a frame: decorrelated from its neighbours unless `fixed`.
 std::uint32_t frameSeed(std::uint32_t seed, int frame, bool fixed);

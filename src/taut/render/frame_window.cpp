@@ -25,10 +25,15 @@ Window windowOf(const FrameOptions &options, const RenderSettings &render) {
     return options.window.empty() ? Window{0, 0, render.width, render.height} : options.window;
 }
 
-Window affordable(const Scene &scene, const Window &window) {
+bool mayShare(const FrameOptions &options, const RenderSettings &render) {
+    return !render.boxFilter && options.aovs.empty() && options.layers.words().empty() && options.denoiseBlock == 0;
+}
+
+Window affordable(const Scene &scene, const Window &window, bool shares) {
     if (!scene.budget || window.empty()) return window;
     constexpr std::size_t channels = 4;
-    const double pixel = 2 * sizeof(std::uint32_t) + static_cast<double>(channels) * (sizeof(ExactSum) + sizeof(float));
+    const double pixel = 2 * sizeof(std::uint32_t) + static_cast<double>(channels) * (sizeof(ExactSum) + sizeof(float)) +
+                         (shares ? sizeof(SharedSums::Shares) : 0);
     scene.budget->require(pixel * window.width() * window.height(), scene.path,
                           "a picture of " + std::to_string(window.width()) + " x " + std::to_string(window.height()) + " pixels of " +
                               std::to_string(channels) + " channels");
@@ -43,6 +48,9 @@ void checkOptions(const FrameOptions &options, const RenderSettings &render) {
     if (options.noise && options.picture) throw InputError("frame: found two goals of adaptive sampling, expected one");
     if ((options.noise || options.picture) && options.firstSample > 0)
         throw InputError("frame: found a first sample of an adaptive frame, expected all of its samples together");
+    if (options.shares && (options.firstSample > 0 || !mayShare(options, render)))
+        throw InputError("frame: found pixels that share their samples beside AOVs, layers, a denoiser, a box filter or a first sample, "
+                         "expected R, G, B and A alone");
     if (!whole.contains(windowOf(options, render))) throw InputError("frame: found a window beyond the frame, expected one within");
 }
 

@@ -13,7 +13,7 @@ Window windowOf(const FrameOptions &options, const RenderSettings &render);
 
 /// The window, if the scene's budget has the memory for its film and the image made of it: of R, G, B and A, for what else is wanted is
 /// asked for by hand. Throws InputError where it has not.
-Window affordable(const Scene &scene, const Window &window);
+Window affordable(const Scene &scene, const Window &window, bool shares);
 
 /// Throws InputError where options contradict each other.
 void checkOptions(const FrameOptions &options, const RenderSettings &render);

@@ -201,8 +201,8 @@ void PathTracer::State::shadeAtOnce(int event, const LaneMaterial &material, std
         lookUp(material, chunk);
     else
         lanes::setValues(l, material);
-    const EventNumbers numbers{dimensionOf(event, kScatterDirection), dimensionOf(event, kScatterLobe), dimensionOf(event, kLightPoint),
-                               dimensionOf(event, kLightChoice),      dimensionOf(event, kRoulette),    scene.lights().choices};
+    const EventNumbers numbers{dimensionOf(event, kScatterNumbers), dimensionOf(event, kLightNumbers), dimensionOf(event, kRoulette),
+                               scene.lights().choices};
     const bool lit = numbers.lights > 0;
     lanes::view(l, material, numbers);
     if (hasEmitters) seeEmissions(material, chunk);

@@ -91,7 +91,7 @@ TAUT_INLINE void lightNumbersLoop(HitLanes &l, const EventNumbers &numbers) {
     const int count = l.padded();
 #pragma GCC ivdep
     for (int i = 0; i < count; ++i) {
-        const Vec2 light = sobol2(l.sample[i], hash(l.seed[i], numbers.lightPoint));
+        const Vec2 light = sobol2(l.sample[i], hash(l.seed[i], numbers.light));
         l.lightU[i] = light.x;
         l.lightV[i] = light.y;
     }
@@ -99,16 +99,16 @@ TAUT_INLINE void lightNumbersLoop(HitLanes &l, const EventNumbers &numbers) {
 TAUT_INLINE void choiceNumbersLoop(HitLanes &l, const EventNumbers &numbers) {
     const int count = l.padded();
 #pragma GCC ivdep
-    for (int i = 0; i < count; ++i) l.lightChoice[i] = sobol1(l.sample[i], hash(l.seed[i], numbers.lightChoice));
+    for (int i = 0; i < count; ++i) l.lightChoice[i] = sobolThird(l.sample[i], hash(l.seed[i], numbers.light));
 }
 TAUT_INLINE void numbersLoop(HitLanes &l, const EventNumbers &numbers) {
     const int count = l.padded();
 #pragma GCC ivdep
     for (int i = 0; i < count; ++i) {
-        const Vec2 scattered = sobol2(l.sample[i], hash(l.seed[i], numbers.scatterDirection));
+        const Vec3 scattered = sobol3(l.sample[i], hash(l.seed[i], numbers.scatter));
         l.scatterU[i] = scattered.x;
         l.scatterV[i] = scattered.y;
-        l.coin[i] = sobol1(l.sample[i], hash(l.seed[i], numbers.scatterLobe));
+        l.coin[i] = scattered.z;
     }
 #pragma GCC ivdep
     for (int i = 0; i < count; ++i) l.roulette[i] = sobol1(l.sample[i], hash(l.seed[i], numbers.roulette));

@@ -133,9 +133,9 @@ LaneMaterial laneMaterial(const PreparedMaterial &prepared);
 bool inLanes(const RenderObject &object);
 bool isPlain(const RenderObject &object);
 
-/// Numbers of the sample sequence that an event draws, by dimension.
+/// The sets of numbers that an event draws (sample_dimensions.h).
 struct EventNumbers {
-    std::uint32_t scatterDirection, scatterLobe, lightPoint, lightChoice, roulette;
+    std::uint32_t scatter, light, roulette;
     std::size_t lights = 2; ///< to choose from: numbers that one or none has no use for are left out
 };
 

@@ -151,6 +151,8 @@ bool PathTracer::traceTile(const Window &tile, int firstSample, int lastSample, 
             if (s.settings.layers != nullptr) film.addLayers(path.x, path.y, path.radiance, s.layerSample(i));
             if (DenoiseSums *sums = film.denoiseSums(); sums != nullptr)
                 sums->add(path.x, path.y, path.sample, path.radiance, path.alpha > 0);
+            if (SharedSums *sums = film.sharedSums(); sums != nullptr && s.settings.shared)
+                sums->add(path.x, path.y, sharedSample(*s.settings.shared, path.x, path.y, s.places[i]), path.radiance, path.alpha);
         }
         times.film += secondsSince(clock);
     }

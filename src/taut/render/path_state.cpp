@@ -11,6 +11,7 @@ constexpr int kBlock = 4;
 
 void PathTracer::State::startPaths(const Window &tile, int firstSample, int lastSample) {
     paths.clear();
+    places.clear();
     rays.clear();
     active.clear();
     CameraLanes &l = *cameraLanes;
@@ -51,6 +52,8 @@ void PathTracer::State::addPaths() {
         ray.time = l.time[i];
         active[first + i] = static_cast<Index>(first + i);
     }
+    if (settings.shared)
+        for (std::size_t i = 0; i < count; ++i) places.emplace_back(l.filterU[i], l.filterV[i]);
     l.count = 0;
 }
 

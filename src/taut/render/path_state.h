@@ -12,16 +12,6 @@
 
 namespace taut {
 
-/// Dimensions of the sample sequence that every event draws.
-enum EventDimension : std::uint32_t { kScatterDirection, kScatterLobe, kLightPoint, kLightChoice, kRoulette, kPerEvent };
-/// And those that only some scenes draw, far above: the others keep theirs.
-enum RareDimension : std::uint32_t {
-    kWalkFirst = 0x10000000,
-    kWalkLast = 0x20000000,
-    kSurfaces = 0x40000000,
-    kShadowSurfaces = 0x80000000
-};
-
 struct Path {
     Vec3 throughput{1};
     Vec3 radiance{0};
@@ -65,6 +55,7 @@ struct PathTracer::State {
     std::unique_ptr<CameraLanes> cameraLanes = std::make_unique<CameraLanes>();
     std::vector<Path> paths;
     std::vector<float> aovs; ///< [paths x channels]
+    std::vector<Vec2> places; ///< [paths] within the filters of pixels that share their samples
     std::vector<Index> active, stillActive;
     std::vector<Ray> rays, nextRays, shadowRays;
     std::vector<Hit> hits;
@@ -94,6 +85,7 @@ struct PathTracer::State {
 
     [[nodiscard]] Vec2 random2(const Path &path, std::uint32_t dimension) const { return sobol2(path.sample, hash(path.seed, dimension)); }
     [[nodiscard]] float random1(const Path &path, std::uint32_t dimension) const { return sobol1(path.sample, hash(path.seed, dimension)); }
+    [[nodiscard]] Vec3 random3(const Path &path, std::uint32_t dimension) const { return sobol3(path.sample, hash(path.seed, dimension)); }
     /// Names the walk within the microsurface, where the material asks for one.
     [[nodiscard]] static std::uint32_t walkSeed(const Path &path, const SurfacePoint &point, std::uint32_t dimension) {
         return point.bsdf.multiscatter == Multiscatter::Walk ? hash(path.sample, hash(path.seed, ~dimension)) : 0;
@@ -102,12 +94,8 @@ struct PathTracer::State {
     [[nodiscard]] walk::Numbers walkNumbers(const Path &path, const SurfacePoint &point, int event) const {
         if (point.bsdf.multiscatter != Multiscatter::Walk) return {};
         return {{random2(path, dimensionOf(event, kWalkFirst)), random2(path, dimensionOf(event, kWalkLast))},
-                walkSeed(path, point, dimensionOf(event, kLightPoint))};
+                walkSeed(path, point, dimensionOf(event, kLightNumbers))};
     }
-    static std::uint32_t dimensionOf(int event, EventDimension which) {
-        return kCameraDimensions + static_cast<std::uint32_t>(event) * kPerEvent + which;
-    }
-    static std::uint32_t dimensionOf(int event, RareDimension which) { return static_cast<std::uint32_t>(event) + which; }
 
     class Surfaces;
 

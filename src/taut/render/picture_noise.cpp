@@ -80,6 +80,19 @@ double PictureNoise::varianceOf(Index block) const {
     return factor_ * errors_[block].variance * std::pow(errors_[block].samples, exponentOf(factor_));
 }
 
+void PictureNoise::see(const Film &film) {
+    for (Index i = 0; i < errors_.size(); ++i) {
+        const Window window = grid_.windowOf(i);
+        double sum = 0;
+        for (int y = window.y0; y < window.y1; ++y)
+            for (int x = window.x0; x < window.x1; ++x) {
+                const std::array<float, 4> colour = film.colourAt(x, y);
+                for (std::size_t channel = 0; channel < 3; ++channel) sum += sqr(static_cast<double>(colour[channel]));
+            }
+        errors_[i].square = sum / (3 * weightOf(i));
+    }
+}
+
 /// Sum over pixels of the square of what the picture is without noise.
 double PictureNoise::squares() const {
     double sum = 0;

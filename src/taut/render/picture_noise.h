@@ -45,7 +45,7 @@ inline double costOf(std::uint64_t camera, std::uint64_t others) {
 /// What is known of a block after a pass.
 struct BlockError {
     int samples = 0;     ///< a pixel
-    double variance = 0; ///< of the mean of so many samples, over pixels and R, G, B, as if the halves were independent
+    double variance = 0; ///< that so many samples bring to the picture, over pixels and R, G, B, as if the halves were independent
     double square = 0;   ///< of the mean, over pixels and R, G, B
     double cost = 0;     ///< of a sample (costOf)
 };
@@ -83,6 +83,8 @@ class PictureNoise {
     /// What the pass found; from any thread, once for every active block.
     void report(Index block, const BlockError &error) { errors_[block] = error; }
     [[nodiscard]] const BlockError &errorOf(Index block) const { return errors_[block]; }
+    /// Squares of the picture as it stands, where pixels share their samples: they depend on what blocks give to each other.
+    void see(const Film &film);
 
     /// After the pass: what is to be rendered with other random numbers, and as many samples as its block has. None where the noise is far
     /// from the level for sure; from then on that there are some they are the same ones. A part may stand there more than once.
@@ -136,11 +138,17 @@ class PictureNoise {
     std::vector<Index> active_;
 };
 
-/// Sums of R, G and B of the pixels of a window, row by row.
+/// Sums of the pixels of a window, row by row: of R, G and B, or, where pixels share their samples, of what each gives to the nine around
+/// it.
 struct ColourSums {
     std::vector<double> half, all;
     static void fill(const Film &film, const Window &window, std::vector<double> &sums);
 };
+
+/// Mean over a part of a window's pixels and R, G, B of the square of what s1 first - s2 second brings to the picture, of their sums.
+/// Pixels have random numbers of their own, so what they give to each other adds up in squares.
+double squaredDifference(const Window &part, const Window &window, std::span<const double> first, double s1, std::span<const double> second,
+                         double s2);
 
 /// What the sums of a window say of a block in it, after `middle` and after `last` samples.
 BlockError blockErrorOf(const Window &block, const Window &window, const ColourSums &sums, int middle, int last);

@@ -231,6 +231,7 @@ FrameFacts settingFacts(const Scene &scene, const FrameOptions &whole, int frame
                      {"time a frame", whole.seconds ? formatNumber(*whole.seconds) + " s" : "any"},
                      {"seed", text(whole.seed) + (whole.independent ? ", samples independent" : "")},
                      {"AOVs", aovs.empty() ? "none" : aovs}};
+    if (whole.shares) facts.emplace_back("samples", "shared by pixels");
     if (whole.denoiseBlock > 0) facts.emplace_back("denoising", "halves in blocks of " + text(whole.denoiseBlock));
     return facts;
 }

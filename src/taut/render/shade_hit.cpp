@@ -6,9 +6,9 @@ namespace taut {
 
 void PathTracer::State::connectLight(int event, Index index, const SurfacePoint &point, const FacetScattering &scattering) {
     Path &path = paths[index];
-    const LightChoice choice = chooseLight(scene.lights(), point.position, random1(path, dimensionOf(event, kLightChoice)));
-    const LightSample light =
-        sampleLight(scene.lights(), choice, point.position, path.time, random2(path, dimensionOf(event, kLightPoint)));
+    const Vec3 u = random3(path, dimensionOf(event, kLightNumbers));
+    const LightChoice choice = chooseLight(scene.lights(), point.position, u.z);
+    const LightSample light = sampleLight(scene.lights(), choice, point.position, path.time, Vec2(u));
     if (!(light.pdf > 0)) return;
     const float side = glm::dot(light.direction, point.geometricNormal);
     if (!scattering.mayLeave(light.direction, side > 0)) return;
@@ -59,9 +59,8 @@ void PathTracer::State::scatter(int event, Index index, const SurfacePoint &poin
     const FacetScattering scattering(point.bsdf, point.facet, point.tilted ? &point.geometricNormal : nullptr, wo);
     connectLight(event, index, point, scattering);
 
-    const auto sampled =
-        scattering.sample(random2(path, dimensionOf(event, kScatterDirection)), random1(path, dimensionOf(event, kScatterLobe)),
-                          walkSeed(path, point, dimensionOf(event, kScatterLobe)));
+    const Vec3 u = random3(path, dimensionOf(event, kScatterNumbers));
+    const auto sampled = scattering.sample(Vec2(u), u.z, walkSeed(path, point, dimensionOf(event, kScatterNumbers)));
     if (!sampled) return;
     const Vec3 direction = glm::normalize(sampled->wi);
     const float side = glm::dot(direction, point.geometricNormal);

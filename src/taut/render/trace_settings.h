@@ -2,6 +2,9 @@
 /// What the tracing of a frame is told.
 
 #include "taut/render/ray_batch.h"
+#include "taut/render/window.h"
+
+#include <optional>
 
 namespace taut {
 
@@ -20,9 +23,11 @@ struct TraceSettings {
     std::uint32_t seed = 0; ///< of this frame
     RayRecord *record = nullptr;
     const LayerTables *layers = nullptr; ///< by what a film's layers are found; null: it has none with sums
-    bool independent = false; ///< no sample knows of the others of its pixel: noisier, and what statistics of independent samples are held to
+    bool independent =
+        false;             ///< no sample knows of the others of its pixel: noisier, and what statistics of independent samples are held to
     bool oneByOne = false; ///< shade no hits at once (hit_lanes.h): to measure, and to test that nothing changes
     const FrameBefore *before = nullptr; ///< of a film that is denoised over frames
+    std::optional<Window> shared{};      ///< the pixels that share their samples (pixel_filter.h); none: each has its own
 };
 
 } // namespace taut

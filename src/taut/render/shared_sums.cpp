@@ -1,0 +1,77 @@
+#include "taut/render/shared_sums.h"
+
+#include "taut/base/error.h"
+
+#include <algorithm>
+#include <cmath>
+#include <istream>
+#include <ostream>
+
+namespace taut {
+
+namespace {
+
+/// Pixels that are read at once: a damaged head asks for no more memory than its file is worth.
+constexpr std::size_t kBlock = 4096;
+
+} // namespace
+
+SharedSums::SharedSums(const Window &window) : window_(window) {
+    if (!window.empty()) pixels_.resize(static_cast<std::size_t>(window.width()) * static_cast<std::size_t>(window.height()));
+}
+
+void SharedSums::add(int x, int y, const SharedSample &sample, const Vec3 &radiance, float alpha) {
+    Shares &shares = pixels_[pixelAt(x, y)];
+    const std::array<float, kValues> values{radiance.x, radiance.y, radiance.z, alpha, 1};
+    std::array<float, kShares> weights{};
+    for (std::size_t row = 0; row < 3; ++row)
+        for (std::size_t column = 0; column < 3; ++column) weights[4 * row + column] = sample.down[row] * sample.across[column];
+    for (std::size_t i = 0; i < kValues; ++i)
+        for (std::size_t k = 0; k < kShares; ++k) shares[i][k] += weights[k] * values[i];
+}
+
+std::array<float, 4> SharedSums::resolve(int x, int y, std::span<const std::uint32_t> counts) const {
+    std::array<float, kValues> sums{};
+    for (int dy = -1; dy <= 1; ++dy)
+        for (int dx = -1; dx <= 1; ++dx) {
+            const int fromX = x - dx;
+            const int fromY = y - dy;
+            if (fromX < window_.x0 || fromX >= window_.x1 || fromY < window_.y0 || fromY >= window_.y1) continue;
+            const std::size_t from = pixelAt(fromX, fromY);
+            if (counts[from] == 0) continue;
+            const auto share = static_cast<std::size_t>(4 * (dy + 1) + dx + 1);
+            const float inverse = 1 / static_cast<float>(counts[from]);
+            for (std::size_t i = 0; i < kValues; ++i) sums[i] += pixels_[from][i][share] * inverse;
+        }
+    if (!(sums[4] > 0)) return {};
+    return {sums[0] / sums[4], sums[1] / sums[4], sums[2] / sums[4], sums[3] / sums[4]};
+}
+
+void SharedSums::copy(const SharedSums &from, const Window &part) {
+    for (int y = part.y0; y < part.y1; ++y)
+        std::copy_n(&from.pixels_[from.pixelAt(part.x0, y)], part.width(), &pixels_[pixelAt(part.x0, y)]);
+}
+
+void SharedSums::save(std::ostream &out) const {
+    out.write(reinterpret_cast<const char *>(pixels_.data()), static_cast<std::streamsize>(pixels_.size() * sizeof(Shares)));
+}
+
+SharedSums SharedSums::load(std::istream &in, const Window &window) {
+    SharedSums sums;
+    sums.window_ = window;
+    const std::size_t pixels = window.empty() ? 0 : static_cast<std::size_t>(window.width()) * static_cast<std::size_t>(window.height());
+    while (sums.pixels_.size() < pixels) {
+        const std::size_t first = sums.pixels_.size();
+        const std::size_t count = std::min(kBlock, pixels - first);
+        sums.pixels_.resize(first + count);
+        if (!in.read(reinterpret_cast<char *>(&sums.pixels_[first]), static_cast<std::streamsize>(count * sizeof(Shares))))
+            throw InputError("film: found its end early, expected what its pixels share");
+        for (std::size_t p = first; p < first + count; ++p)
+            for (const auto &shares : sums.pixels_[p])
+                for (const float value : shares)
+                    if (!std::isfinite(value)) throw InputError("film: found a share that is not finite, expected numbers");
+    }
+    return sums;
+}
+
+} // namespace taut
