@@ -155,7 +155,10 @@ std::vector<std::string> filmSeeds() {
     FeatureMeans means;
     means.addNothing(true, true);
     halves.denoiseSums()->tell(1, 0, means.rounded(true));
-    return {saved(plain), saved(named), saved(layered), saved(halves)};
+    Film shared({0, 0, 2, 1}, {}, {}, 0, true);
+    shared.add(1, 0, Vec3(0.5F), 1, nullptr);
+    shared.sharedSums()->add(1, 0, sharedSample(shared.window(), 1, 0, Vec2(0.5F)), Vec3(0.5F), 1);
+    return {saved(plain), saved(named), saved(layered), saved(halves), saved(shared)};
 }
 
 std::vector<std::string> restoreSeeds() {
