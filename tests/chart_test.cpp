@@ -116,6 +116,16 @@ TEST_CASE("chart: rankings of two runs are compared where both tell choices apar
     CHECK(compareRankings(first, second).pairs == 1); // y of a and b
 }
 
+TEST_CASE("chart: an earlier run stands beside on the same axes, and none of its choices is a default", "[chart]") {
+    const Panel both = beside(panelOf({at("a", 1, 1, true)}), panelOf({at("a", 2, 3, true), at("b", 4, 5)}));
+    REQUIRE(both.points.size() == 3);
+    CHECK(both.points[0].isDefault);
+    CHECK(both.points[1].series == both.points[0].series + ", before");
+    CHECK(both.points[1].x.value == 2);
+    CHECK_FALSE(both.points[1].isDefault);
+    CHECK(checkDefaults(chartOf(both)).empty());
+}
+
 TEST_CASE("chart: the median of times and how far it may be off", "[chart]") {
     const Measured m = medianOf({5, 1, 2, 4, 3});
     CHECK(m.value == 3);

@@ -58,6 +58,11 @@ std::size_t compareWith(const fs::path &earlier, const chart::Chart &now) {
     return turned;
 }
 
+chart::Chart besideEarlier(const fs::path &earlier, chart::Chart chart) {
+    for (chart::Panel &panel : chart.panels) panel = beside(std::move(panel), chart::readPanel(fileOf(earlier, chart, panel.name, "csv")));
+    return chart;
+}
+
 int run(const ChartArguments &arguments) {
     const auto entries = chosenCharts(arguments.names);
     chart::requireGnuplot();
@@ -72,7 +77,7 @@ int run(const ChartArguments &arguments) {
         const double seconds = watch.lap();
         if (!arguments.against.empty()) turned += compareWith(arguments.against, measured);
         writeCsv(measured, options.directory);
-        sections.push_back(draw(measured, options.directory));
+        sections.push_back(draw(arguments.against.empty() ? measured : besideEarlier(arguments.against, measured), options.directory));
         std::cout << fmt::format("{}: measured in {:.1f} s, drawn in {:.1f} s", entry.name, seconds, watch.lap()) << std::endl;
         for (const chart::Table &table : measured.tables) std::cout << fmt::format("\n{}\n\n{}\n", table.title, markdownOf(table));
         for (std::string &line : checkDefaults(measured)) off.push_back(std::move(line));
@@ -95,7 +100,7 @@ void addChart(CLI::App &parent, Run &run_) {
     CLI::Option *full = command->add_flag("--full", arguments->full, "As long as it needs");
     command->add_flag("--quick", arguments->quick, "All of them in ten minutes (default)")->excludes(full);
     command->add_flag("--check", arguments->check, "Exit 1 where a default is off its front by more than the measured spread");
-    command->add_option("--against", arguments->against, "An earlier report: exit 1 where choices have changed places")
+    command->add_option("--against", arguments->against, "An earlier report: drawn beside; exit 1 where choices have changed places")
         ->check(CLI::ExistingDirectory);
     command->callback([&run_, arguments] { run_ = [arguments] { return run(*arguments); }; });
 }

@@ -67,6 +67,15 @@ std::vector<std::string> checkDefaults(const Chart &chart) {
     return off;
 }
 
+Panel beside(Panel panel, const Panel &earlier) {
+    for (Point point : earlier.points) {
+        point.series += ", before";
+        point.isDefault = false;
+        panel.points.push_back(std::move(point));
+    }
+    return panel;
+}
+
 Ranking compareRankings(const Panel &first, const Panel &second) {
     Ranking ranking;
     const auto find = [&](const Point &p) {

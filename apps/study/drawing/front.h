@@ -15,6 +15,9 @@ std::vector<std::size_t> paretoFront(const std::vector<Point> &points);
 /// less time and less error. Panels without a front are not looked at.
 std::vector<std::string> checkDefaults(const Chart &chart);
 
+/// A panel with the points of an earlier run on the same axes, their series called "before"; none of them is a default.
+Panel beside(Panel panel, const Panel &earlier);
+
 /// How two runs of a panel order the same choices.
 struct Ranking {
     std::size_t pairs = 0;           ///< of choices that both runs tell apart, on either axis
