@@ -36,7 +36,7 @@ std::map<std::string, Error> compare(const std::string &scene, const std::string
         Error error{};
         if (stream >> keyword >> name >> error.raw >> filtered >> error.filtered && keyword == "relMSE") errors[name] = error;
     }
-    REQUIRE(errors.size() == 3);
+    REQUIRE(errors.size() == 4);
     for (const auto &[name, error] : errors)
         std::cout << scene << ": relMSE " << name << " " << error.raw << ", after a 4 x 4 box filter " << error.filtered << std::endl;
     return errors;
@@ -83,8 +83,9 @@ TEST_CASE("export: Blender's importers, its Mesh Cache and the add-on read every
 TEST_CASE("export: Cycles shows the gloss of a sheared panel as Taut renders it", "[export][blender][cycles]") {
     if (!hasBlender()) return;
     const auto errors = compare("panel.toml", "24", freshFolder("export_cycles_panel"));
-    // Measured at 64 samples, filtered: noise 0.0008, following 0.0007, fixed 0.0076.
-    CHECK(errors.at("cycles_follow").filtered < 1.5 * errors.at("taut_other_seed").filtered);
+    // Two pictures differ by the noise of each; measured at 64 samples, filtered: fixed 0.0070.
+    const double noise = 0.5 * (errors.at("taut_other_seed").filtered + errors.at("cycles_two_seeds").filtered);
+    CHECK(errors.at("cycles_follow").filtered < 1.5 * noise);
     CHECK(errors.at("cycles_follow").filtered < 0.2 * errors.at("cycles_fixed").filtered);
 }
 

@@ -1,7 +1,7 @@
 #!/bin/sh
 # Taut against Cycles: one frame of a scene by `taut render`, and its `taut export` by Blender, with the gloss following the
-# deformation and with it held fixed. Prints the relative mean squared error of each against the Taut image, and of Taut's
-# image with another seed (the noise), and writes a picture of images and differences.
+# deformation and with it held fixed. Prints the relative mean squared error of each against the Taut image, of Taut's image with
+# another seed and of two seeds of Cycles (the noise of either), and writes a picture of images and differences.
 #
 #   apps/blender/compare.sh build/release/taut SCENE.toml FRAME OUT [SPP] [-D key=value ...]
 set -eu
@@ -25,6 +25,9 @@ rm -f "$out"/follow/* "$out"/fixed/*
 for way in follow fixed; do
     blender --python "$here/cycles.py" -- render "$scene" "$frame" "$spp" "$out/$way.exr" "$out/$way"/*.npz
 done
+blender --python "$here/cycles.py" -- render "$scene" "$frame" "$spp" "$out/other.exr" seed=7 "$out/follow"/*.npz
+blender --python "$here/cycles.py" -- compare "$out/follow.exr" "$out/seeds.png" "cycles_two_seeds=$out/other.exr"
+grep '^relMSE' "$out/blender.log"
 blender --python "$here/cycles.py" -- compare "$out/taut.exr" "$out/compare.png" \
     "cycles_follow=$out/follow.exr" "cycles_fixed=$out/fixed.exr" "taut_other_seed=$out/again.exr"
 grep '^relMSE' "$out/blender.log"

@@ -304,6 +304,7 @@ def serve(path):
 
 
 def render(path, frame, spp, output, *files):
+    """One of `files` may be seed=N."""
     import tomllib
 
     from taut_gloss import import_gloss
@@ -316,12 +317,16 @@ def render(path, frame, spp, output, *files):
     bpy.ops.wm.read_factory_settings(use_empty=True)
     scene = bpy.context.scene
     for file in files:
-        import_gloss(file, int(frame))
+        if not file.startswith("seed="):
+            import_gloss(file, int(frame))
     add_camera(scene, description["camera"])
     for light in description.get("light", []):
         add_light(scene, light)
     set_environment(scene, environment, sampled=True)
     set_cycles(scene, description.get("render", {}), int(spp))
+    for word in files:
+        if word.startswith("seed="):
+            scene.cycles.seed = int(word[5:])
     scene.frame_set(int(frame))
     scene.render.filepath = os.path.abspath(output)
     bpy.ops.render.render(write_still=True)

@@ -115,6 +115,9 @@ bpy.ops.render.render(animation=True)
 images["cycles_in_an_animation"] = cycles.load(os.path.join(scratch, f"animation.{FRAME:04}.exr"))
 scene.frame_set(FRAME)
 images["cycles_follow"] = render("follow.exr")
+scene.cycles.seed = 7
+images["cycles_two_seeds"] = render("seed.exr")
+scene.cycles.seed = 0
 images["render_with_taut"] = render_with_taut()
 item.taut.roughening, item.taut.yield_strain = ROUGHENING, YIELD
 images["cycles_roughened"] = render("roughened.exr")
@@ -134,7 +137,7 @@ metal = [f"material.brushed.roughening={ROUGHENING}", f"material.brushed.yield={
 roughened = taut_render("metal.exr", *(word for words in metal for word in ("-D", words)))
 images["geometry_alone_roughened"] = images["cycles_follow"]  # geometry alone, beside the metal
 for name, image in images.items():
-    against = roughened if name.endswith("roughened") else reference
+    against = roughened if name.endswith("roughened") else images["cycles_follow"] if name == "cycles_two_seeds" else reference
     raw, filtered = cycles.relative_error(image, against), cycles.relative_error(cycles.box(image), cycles.box(against))
     print(f"relMSE {name} {raw:.6g} filtered {filtered:.6g}")
 scale = np.percentile(reference, 99)

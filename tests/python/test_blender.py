@@ -59,8 +59,10 @@ def test_cycles_with_the_add_on_shows_what_taut_renders(tmp_path):
     rows = [line.split() for line in said.splitlines() if line.startswith("relMSE")]
     error = {name: float(filtered) for _, name, _, _, filtered in rows}
     print(error)
-    noise = error["taut_other_seed"]
-    for name in ("cycles_follow", "cycles_in_an_animation", "render_with_taut", "cycles_roughened", "render_with_taut_roughened"):
+    noise = 0.5 * (error["taut_other_seed"] + error["cycles_two_seeds"])  # two pictures differ by the noise of each
+    for name in ("cycles_follow", "cycles_in_an_animation", "cycles_roughened"):
         assert error[name] < 1.5 * noise, name
+    for name in ("render_with_taut", "render_with_taut_roughened"):
+        assert error[name] < 1.5 * error["taut_other_seed"], name
     for name in ("cycles_fixed", "geometry_alone_roughened"):
         assert error[name] > 5 * noise, name
