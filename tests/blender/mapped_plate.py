@@ -1,9 +1,9 @@
 """A plate under a normal map as Cycles shows it: a rough conductor of reflectance 1, seen from above, under a quad light and a dim sky.
 
-    blender -b -noaudio --factory-startup --python-exit-code 1 --python mapped_plate.py -- NORMALS.exr ALPHA SPP OUT.exr SCENE.toml
+    blender -b -noaudio --factory-startup --python-exit-code 1 --python mapped_plate.py -- NORMALS.exr ALPHA SPP OUT.exr OTHER.exr SCENE.toml
 
 The map covers the plate [-1, 1]^2 once, u along x. SCENE.toml receives what Taut is to render: the same camera, lights, plate and map.
-Masking is separable there, as Cycles 3.4 has it, and light is scattered once.
+Masking is separable there, as Cycles 3.4 has it, and light is scattered once. OTHER.exr has another seed.
 """
 
 import importlib.util
@@ -63,7 +63,7 @@ def scene_of(normals, alpha, folder):
 
 
 def main():
-    normals, alpha, spp, output, toml = sys.argv[sys.argv.index("--") + 1 :]
+    normals, alpha, spp, output, other, toml = sys.argv[sys.argv.index("--") + 1 :]
     bpy.ops.wm.read_factory_settings(use_empty=True)
     scene = bpy.context.scene
     add_plate(os.path.abspath(normals), float(alpha))
@@ -71,8 +71,9 @@ def main():
     cycles.add_light(scene, LIGHT)
     cycles.set_environment(scene, {"radiance": ENVIRONMENT}, sampled=True)
     cycles.set_cycles(scene, {"width": SIZE, "height": SIZE, "max_events": 1}, int(spp))
-    scene.render.filepath = os.path.abspath(output)
-    bpy.ops.render.render(write_still=True)
+    for scene.cycles.seed, file in enumerate([output, other]):
+        scene.render.filepath = os.path.abspath(file)
+        bpy.ops.render.render(write_still=True)
     with open(toml, "w", encoding="utf-8") as stream:
         stream.write(scene_of(os.path.abspath(normals), float(alpha), os.path.dirname(os.path.abspath(toml))))
 
