@@ -268,9 +268,8 @@ TEST_CASE("Sobol: the fast second dimension is Sobol's, and scrambled points str
 TEST_CASE("Sobol: sets of three and of five numbers stratify each other", "[sampler]") {
     // A (t, m, s)-net in base 2 has 2^t points in every elementary interval of 2^(t - m); t is at most the sum of the degrees of the
     // dimensions' polynomials less one each: 1 for three dimensions, 5 for five (Sobol 1967).
-    constexpr int kPoints = 8; // powers of two
-    const auto isNet = [&](int t, std::uint32_t dimensions, const auto &point) {
-        const int bits = kPoints - t;
+    const auto isNet = [&](int t, int m, std::uint32_t dimensions, const auto &point) {
+        const int bits = m - t;
         std::vector<int> shape(dimensions, 0);
         bool all = true;
         const std::function<void(std::size_t, int)> forEachShape = [&](std::size_t d, int left) {
@@ -280,7 +279,7 @@ TEST_CASE("Sobol: sets of three and of five numbers stratify each other", "[samp
             }
             shape[d] = left;
             std::vector<int> cells(std::size_t{1} << bits);
-            for (std::uint32_t i = 0; i < 1U << kPoints; ++i) {
+            for (std::uint32_t i = 0; i < 1U << m; ++i) {
                 const std::array<float, 5> p = point(i);
                 std::size_t cell = 0;
                 for (std::size_t k = 0; k < shape.size(); ++k)
@@ -298,10 +297,12 @@ TEST_CASE("Sobol: sets of three and of five numbers stratify each other", "[samp
             const Vec2 v = sobolFourthFifth(i, seed, 17 * seed);
             return std::array<float, 5>{u.x, u.y, u.z, v.x, v.y};
         };
-        CHECK(isNet(1, 3, set));
-        CHECK(isNet(5, 5, set));
-        CHECK(isNet(4, 2, [&](std::uint32_t i) { return std::array<float, 5>{set(i)[3], set(i)[4]}; }));
+        CHECK(isNet(1, 8, 3, set));
+        CHECK(isNet(5, 8, 5, set));
+        // The place in the pixel by itself: a (0, m, 2)-net of 4 to 32 points.
+        const auto place = [&](std::uint32_t i) { return std::array<float, 5>{set(i)[3], set(i)[4]}; };
+        for (const int m : {2, 3, 4, 5}) CHECK(isNet(0, m, 2, place));
         // Numbers of sets that know nothing of each other are no net.
-        CHECK_FALSE(isNet(1, 3, [&](std::uint32_t i) { return std::array<float, 5>{set(i)[0], set(i)[1], sobol1(i, seed + 99)}; }));
+        CHECK_FALSE(isNet(1, 8, 3, [&](std::uint32_t i) { return std::array<float, 5>{set(i)[0], set(i)[1], sobol1(i, seed + 99)}; }));
     }
 }

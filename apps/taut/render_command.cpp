@@ -191,11 +191,12 @@ int render(RenderArguments &arguments) {
     // How many samples there will be is not known: light is not weighed against noise.
     if ((options.seconds || options.noise) && !arguments.model.tolerance) arguments.model.tolerance = kDefaultTolerance;
 
-    PlannedScene planned = planFor(loaded, arguments.model);
+    const bool shares = options.picture && !shard && mayShare(options, render);
+    PlannedScene planned = planFor(loaded, arguments.model, false, shares);
     if (arguments.verbose) std::cerr << planTable(loaded, planned.plan) << pilotLines(planned.plan) << std::flush;
     if (planned.plan.budget) {
         options.picture = PictureGoal{static_cast<double>(planned.plan.budget->noise), planned.plan.budget->firstSamples};
-        options.shares = mayShare(options, render);
+        options.shares = shares;
     }
     RenderScene ready(std::move(loaded), std::move(planned.plan), render.frames.size() > 1, std::move(planned.surfaces));
     std::optional<TevDisplay> display;

@@ -57,7 +57,10 @@ Resources measureResources(RenderScene &scene, const FrameOptions &options, Cloc
     resources.frameSeconds = sampleSeconds(scene, whole) * pixels * whole.spp;
     // A pixel's exact sums and counts, its means as floats, and these once more as a file.
     const auto channels = static_cast<double>(Film({}, whole.aovs, layersOf(whole.layers, scene.scene())).channelNames().size());
-    resources.megabytes = peakMegabytes() + pixels * (channels * (sizeof(ExactSum) + 2 * sizeof(float)) + 2 * sizeof(std::uint32_t)) / 1e6;
+    const bool shares = whole.picture && mayShare(whole, scene.scene().render);
+    const double pixel = channels * (sizeof(ExactSum) + 2 * sizeof(float)) + 2 * sizeof(std::uint32_t) +
+                         (shares ? static_cast<double>(sizeof(SharedSums::Shares)) : 0);
+    resources.megabytes = peakMegabytes() + pixels * pixel / 1e6;
     return resources;
 }
 

@@ -71,23 +71,26 @@ void addModelArguments(CLI::App &command, ModelArguments &arguments) {
             "only where it is more than its noise at the scene's samples a pixel)")
         ->check(CLI::Range(1e-6, 1.0));
     command
-        .add_option("--error", arguments.error,
-                    "Relative RMS error of the picture, bias and noise together: 0.02. The plan splits it, and samples go where they are needed; "
-                    "--spp is the upper bound (default: 65536)")
+        .add_option(
+            "--error", arguments.error,
+            "Relative RMS error of the picture, bias and noise together: 0.02. The plan splits it, and samples go where they are needed; "
+            "--spp is the upper bound (default: 65536)")
         ->check(CLI::Range(1e-4, 0.5));
     command.add_option("--model", arguments.model, "auto: the cheapest model within the tolerance; full: every saving off");
 }
 
-PlannedScene planFor(const Scene &scene, const ModelArguments &arguments, bool report) {
+PlannedScene planFor(const Scene &scene, const ModelArguments &arguments, bool report, bool shares) {
     static constexpr std::string_view kModels[] = {"auto", "full"};
     PlanOptions options;
     options.tolerance = arguments.tolerance;
     options.error = arguments.error;
     for (const auto &[option, value] : {std::pair("--error", arguments.error), std::pair("--tolerance", arguments.tolerance)})
-        if (value && !std::isfinite(*value)) failInput({option}, formatNumber(static_cast<double>(*value)), "a relative error such as 0.02");
+        if (value && !std::isfinite(*value))
+            failInput({option}, formatNumber(static_cast<double>(*value)), "a relative error such as 0.02");
     if (arguments.error && arguments.tolerance) failInput({"--error"}, "--tolerance beside it, which is a part of it", "one of both");
     options.full = arguments.model == "full";
     options.report = report;
+    options.shares = shares;
     if (!options.full && !arguments.model.empty() && arguments.model != "auto") failUnknownName({"--model"}, arguments.model, kModels);
     return planByPilots(scene, options);
 }

@@ -39,7 +39,7 @@ struct ModelArguments {
 };
 void addModelArguments(CLI::App &command, ModelArguments &arguments);
 /// The plan that they ask for, with what `taut info` reports. Throws InputError for an unknown model.
-PlannedScene planFor(const Scene &scene, const ModelArguments &arguments, bool report = false);
+PlannedScene planFor(const Scene &scene, const ModelArguments &arguments, bool report = false, bool shares = true);
 
 /// Limits the number of threads while it lives.
 std::shared_ptr<tbb::global_control> limitThreads(int threads);

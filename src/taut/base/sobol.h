@@ -54,7 +54,7 @@ inline std::uint32_t sobolSecondReversed(std::uint32_t index) {
 /// A dimension of Sobol's sequence beyond the second: what each bit of the index adds, bit-reversed.
 using SobolColumns = std::array<std::uint32_t, 32>;
 
-/// By the degree and the inner coefficients of its primitive polynomial and its first direction numbers (Joe & Kuo 2008).
+/// By the degree and the inner coefficients of its primitive polynomial and its first direction numbers (Sobol 1967; Joe & Kuo 2008).
 constexpr SobolColumns sobolColumns(std::size_t degree, std::uint32_t coefficients, std::initializer_list<std::uint32_t> first) {
     std::array<std::uint32_t, 32> m{};
     std::size_t given = 0;
@@ -69,8 +69,9 @@ constexpr SobolColumns sobolColumns(std::size_t degree, std::uint32_t coefficien
     return columns;
 }
 inline constexpr SobolColumns kSobolThird = sobolColumns(2, 1, {1, 3});
-inline constexpr SobolColumns kSobolFourth = sobolColumns(3, 1, {1, 3, 1});
-inline constexpr SobolColumns kSobolFifth = sobolColumns(3, 2, {1, 1, 1});
+/// These two with direction numbers by which they stratify each other at 4 to 32 points, as the first two do.
+inline constexpr SobolColumns kSobolFourth = sobolColumns(3, 1, {1, 1, 5});
+inline constexpr SobolColumns kSobolFifth = sobolColumns(3, 2, {1, 3, 1});
 
 [[gnu::always_inline]] inline std::uint32_t sobolReversed(const SobolColumns &columns, std::uint32_t index) {
     std::uint32_t x = 0;

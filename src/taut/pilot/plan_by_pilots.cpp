@@ -284,7 +284,7 @@ class PilotedPlan {
 
     /// Samples a pixel until the noise is this, shared by pixels where they may be.
     [[nodiscard]] double samplesFor(const Sampling &sampling, double noise) const {
-        const double shared = mayShare({}, scene_.render) ? std::sqrt(kSharedVariance) : 1;
+        const double shared = options_.shares && mayShare({}, scene_.render) ? std::sqrt(kSharedVariance) : 1;
         return std::max(1.0, std::pow(shared * sampling.noise / noise, 2 / kTypicalExponent));
     }
 

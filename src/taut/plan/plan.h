@@ -99,8 +99,9 @@ inline constexpr float kDefaultTolerance = 0.01F;
 struct PlanOptions {
     std::optional<float> tolerance; ///< none: the default, and of multiple scattering no more than shows at the scene's samples a pixel
     std::optional<float> error;     ///< of the picture, bias and noise together; the tolerance follows from it (planByPilots)
-    bool full = false;              ///< the full plan, with what is asked for below
-    bool report = false;            ///< for `taut info`: gradient fields over all frames, and the question of each mesh's BVH
+    bool shares = true;  ///< with an error: pixels share their samples (pixel_filter.h), if nothing but their colour is asked for
+    bool full = false;   ///< the full plan, with what is asked for below
+    bool report = false; ///< for `taut info`: gradient fields over all frames, and the question of each mesh's BVH
     PlanCosts costs;
 };
 

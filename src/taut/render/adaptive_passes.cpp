@@ -81,7 +81,7 @@ std::vector<PassPiece> AdaptivePasses::drawControls(const Film &film) {
     std::vector<PassPiece> pieces;
     auto *picture = std::get_if<PictureNoise>(&goal_);
     if (picture == nullptr) return pieces;
-    if (film.sharedSums() != nullptr) picture->see(film);
+    if (film.sharedSums() != nullptr) picture->noteSquares(film);
     for (const Control &control : picture->drawControls())
         pieces.push_back({control.window, {control.block}, picture->errorOf(control.block).samples});
     return pieces;

@@ -16,7 +16,7 @@ double ofColours(const double *first, double s1, const double *second, double s2
 }
 
 /// Of what a pixel shares. The picture is a mean by the weights that there are: too much weight brings a pixel only what its light is off
-/// the mean around, for which the mean of the pixel that gives is taken.
+/// the mean around, for which the mean of the pixel that gives is taken: a little too low along hard outlines.
 double ofShares(const double *first, double s1, const double *second, double s2) {
     constexpr std::size_t n = SharedSums::kShares;
     const auto sumOf = [&](const double *values) {
@@ -77,7 +77,7 @@ BlockError blockErrorOf(const Window &block, const Window &window, const ColourS
     // half / before - (all - half) / added
     const double difference = squaredDifference(block, window, sums.half, 1 / before + 1 / added, sums.all, 1 / added);
     const std::size_t perPixel = valuesAPixel(window, sums.all);
-    // Where pixels share, what the picture is depends on others (PictureNoise::see).
+    // Where pixels share, what the picture is depends on others (PictureNoise::noteSquares).
     const double square = perPixel == kShared ? 0 : meanOver(block, window, perPixel, [&](std::size_t at) {
         return ofColours(&sums.all[at], 1 / n, &sums.all[at], 0);
     });

@@ -4,7 +4,8 @@
 ///
 /// Film sums are exact (film.h) and a sample's random numbers follow from its number alone, so the picture is the same bits whatever the
 /// budgets, the stops, the threads, the order of passes, and the split of samples (FrameOptions::firstSample) or pixels (window) over
-/// films that are merged. The one exception is a limit in seconds, which decides how many samples there are.
+/// films that are merged. The exceptions are a limit in seconds, which decides how many samples there are, and pixels that share their
+/// samples, whose films are not merged.
 
 #include "taut/render/adaptive_passes.h"
 #include "taut/render/film.h"

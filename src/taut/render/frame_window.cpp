@@ -48,9 +48,10 @@ void checkOptions(const FrameOptions &options, const RenderSettings &render) {
     if (options.noise && options.picture) throw InputError("frame: found two goals of adaptive sampling, expected one");
     if ((options.noise || options.picture) && options.firstSample > 0)
         throw InputError("frame: found a first sample of an adaptive frame, expected all of its samples together");
-    if (options.shares && (options.firstSample > 0 || !mayShare(options, render)))
-        throw InputError("frame: found pixels that share their samples beside AOVs, layers, a denoiser, a box filter or a first sample, "
-                         "expected R, G, B and A alone");
+    if (options.shares && (options.firstSample > 0 || options.noise || !mayShare(options, render)))
+        throw InputError(
+            "frame: found pixels that share their samples beside AOVs, layers, a denoiser, a box filter, a noise level of each "
+            "pixel or a first sample, expected R, G, B and A alone");
     if (!whole.contains(windowOf(options, render))) throw InputError("frame: found a window beyond the frame, expected one within");
 }
 

@@ -213,7 +213,7 @@ void PathTracer::State::shadeAtOnce(int event, const LaneMaterial &material, std
     }
     const bool glossy = bsdfInfo(material.bsdf.type).microsurface;
     for (std::size_t k = 0; k < chunk.size(); ++k) {
-        if (l.alone[k] != 0) {
+        if (l.scattersAlone[k] != 0) {
             scatter(event, l.path[k], pointOf(k, material), l.wo.at(k), hits[chunk[k]].t);
             continue;
         }

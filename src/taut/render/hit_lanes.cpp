@@ -143,10 +143,10 @@ LaneMaterial laneMaterial(const PreparedMaterial &prepared) {
     static const Scene kNoTextures;
     lane.inLanes = true;
     lane.prepared = &prepared;
-    lane.alone = !info.lanes || (info.reads(kMetallicKey) && goesAlone(m));
+    lane.scattersAlone = !info.lanes || (info.reads(kMetallicKey) && goesAlone(m));
     lane.layered = info.reads(kMetallicKey) && (m.clearcoat.value > 0 || m.specular.texture != kNone || m.specularColor.texture != kNone);
     lane.mapped = m.slopes.isGiven();
-    lane.varies = lane.alone || lane.mapped || lane.layered || m.vertexColors || m.color.texture != kNone || m.metallic.texture != kNone ||
+    lane.varies = lane.scattersAlone || lane.mapped || lane.layered || m.vertexColors || m.color.texture != kNone || m.metallic.texture != kNone ||
                   m.alphaX.texture != kNone || m.alphaY.texture != kNone || m.rotation.texture != kNone || m.anisotropyTexture != kNone;
     Material alike = m; // textures are looked up at hits
     alike.color.texture = alike.metallic.texture = alike.alphaX.texture = alike.alphaY.texture = alike.rotation.texture = kNone;
@@ -273,7 +273,7 @@ void view(HitLanes &lanes, const LaneMaterial &material, const EventNumbers &num
         if (numbers.lights > 0) Loops::lightNumbers(lanes, numbers);
         if (numbers.lights > 1) Loops::choiceNumbers(lanes, numbers);
         const BsdfInfo &info = bsdfInfo(material.bsdf.type);
-        std::fill_n(lanes.alone, lanes.padded(), material.alone ? 1 : 0);
+        std::fill_n(lanes.scattersAlone, lanes.padded(), material.scattersAlone ? 1 : 0);
         if (info.microsurface || lanes.leans) setLambda(lanes, material.prepared->material->poisson);
         setLeans(lanes);
         if (material.layered) startCoat(lanes);
@@ -281,9 +281,9 @@ void view(HitLanes &lanes, const LaneMaterial &material, const EventNumbers &num
         if (material.mapped) setFacets(lanes, material.prepared->material->facets, info.microsurface, instructions);
         if (!info.microsurface) return;
         roughen(lanes, *material.prepared->material);
-        if (!material.alone) setView(lanes, material.bsdf.bearableWaste, info.refracts, instructions);
+        if (!material.scattersAlone) setView(lanes, material.bsdf.bearableWaste, info.refracts, instructions);
         if (material.layered) setCoat(lanes, material, instructions);
-        if (!material.alone) setShares(lanes, material, instructions);
+        if (!material.scattersAlone) setShares(lanes, material, instructions);
     });
 }
 

@@ -4,7 +4,7 @@
 /// sums (-ffp-contract=off, no fast math): the bits are the same, to which a test holds whole pictures.
 ///
 /// laneMaterial() says which materials go this way, inLanes() on which meshes. All others go one by one (shading.h). Lanes that are
-/// `alone` are seen at once and scatter one by one (shade_hit.cpp).
+/// `scattersAlone` are seen at once and scatter one by one (shade_hit.cpp).
 ///
 /// The order of a batch: gather (gather.cpp), view(), aim(), connect(), scatter().
 
@@ -76,7 +76,7 @@ struct alignas(64) HitLanes {
     int dark[kSize], suffices[kSize];
     bool compensates = false; ///< light of several facets is given back in one of the lanes: MultipleScattering, 0 in the others
     int several[kSize];       ///< whether, in that lane
-    int alone[kSize];         ///< 1: this lane scatters by itself: light of several facets is to be followed, or no loop knows the material
+    int scattersAlone[kSize]; ///< 1: this lane scatters by itself: light of several facets is to be followed, or no loop knows the material
     float loss[kSize], lossMean[kSize], chance[kSize];
     Vectors severalColor;
     float compensation[kSize]; ///< multiple::compensation of a direction
@@ -109,7 +109,7 @@ struct alignas(64) HitLanes {
     /// Lanes that loops run over.
     [[nodiscard]] int padded() const { return (count + kStep - 1) / kStep * kStep; }
     [[nodiscard]] bool allAlone() const {
-        return std::all_of(alone, alone + count, [](int one) { return one != 0; });
+        return std::all_of(scattersAlone, scattersAlone + count, [](int one) { return one != 0; });
     }
     [[nodiscard]] MicroTransform micro(std::size_t i) const {
         return {a[i], b[i], d[i], leans ? p[i] : 0.0F, leans ? q[i] : 0.0F, inverseA[i], inverseD[i], det[i]};
@@ -119,10 +119,10 @@ struct alignas(64) HitLanes {
 /// A material as loops take it.
 struct LaneMaterial {
     bool inLanes = false;
-    bool varies = false;  ///< from hit to hit: by textures or colours of the mesh
-    bool alone = false;   ///< its lanes scatter one by one from what was gathered
-    bool mapped = false;  ///< a map tilts its facets
-    bool layered = false; ///< has a coat, or numbers of KHR_materials_specular that vary
+    bool varies = false;        ///< from hit to hit: by textures or colours of the mesh
+    bool scattersAlone = false; ///< its lanes scatter one by one from what was gathered
+    bool mapped = false;        ///< a map tilts its facets
+    bool layered = false;       ///< has a coat, or numbers of KHR_materials_specular that vary
     const PreparedMaterial *prepared = nullptr;
     Bsdf bsdf;             ///< its kind, seen from the outside; without an M
     MaterialValues values; ///< where it does not vary

@@ -127,7 +127,7 @@ template <class Loops, class Kind> void setSeveral(HitLanes &l, const LaneMateri
             if constexpr (Kind::kInfo.reads(kMetallicKey)) Kind::Class::color(bsdf, several);
         }
         l.several[i] = several.treatment == Multiscatter::Compensation ? 1 : 0;
-        l.alone[i] = walks ? 1 : 0;
+        l.scattersAlone[i] = walks ? 1 : 0;
         l.compensates |= l.several[i] != 0;
         l.loss[i] = several.loss;
         l.lossMean[i] = several.lossMean;

@@ -80,7 +80,7 @@ double PictureNoise::varianceOf(Index block) const {
     return factor_ * errors_[block].variance * std::pow(errors_[block].samples, exponentOf(factor_));
 }
 
-void PictureNoise::see(const Film &film) {
+void PictureNoise::noteSquares(const Film &film) {
     for (Index i = 0; i < errors_.size(); ++i) {
         const Window window = grid_.windowOf(i);
         double sum = 0;

@@ -8,8 +8,8 @@
 ///
 /// The halves of a block's samples tell v only up to a factor, since they stratify each other. The factor is measured: parts of some
 /// blocks are rendered a second time with other random numbers (controls), and go on as their blocks do. Half the squared difference from
-/// the picture is an unbiased estimate of its variance; the ratio to what halves tell there, each over its chance to be drawn (Hansen &
-/// Hurwitz 1943), is the factor.
+/// the picture estimates its variance, without bias where pixels do not share; the ratio to what halves tell there, each over its chance to
+/// be drawn (Hansen & Hurwitz 1943), is the factor.
 ///
 /// As in adaptive.h no block has a say in its own number of samples. After a pass a block looks at those around it of the colours that
 /// follow its own, `kReach` of them; what those have is the doing of their followers. The steps together stay below the nine colours
@@ -84,7 +84,7 @@ class PictureNoise {
     void report(Index block, const BlockError &error) { errors_[block] = error; }
     [[nodiscard]] const BlockError &errorOf(Index block) const { return errors_[block]; }
     /// Squares of the picture as it stands, where pixels share their samples: they depend on what blocks give to each other.
-    void see(const Film &film);
+    void noteSquares(const Film &film);
 
     /// After the pass: what is to be rendered with other random numbers, and as many samples as its block has. None where the noise is far
     /// from the level for sure; from then on that there are some they are the same ones. A part may stand there more than once.

@@ -10,7 +10,7 @@ namespace taut {
 
 enum CameraDimension : std::uint32_t { kFilterDimension, kLensDimension, kCameraDimensions };
 /// The time within the shutter has a number of its own, so that events keep theirs with and without motion blur.
-inline constexpr std::uint32_t kTimeDimension = 0x40000000U;
+inline constexpr std::uint32_t kTimeDimension = 0x30000000U;
 
 /// Sets that every event draws: of scattering (direction and lobe), of a light (point and choice), of roulette.
 enum EventDimension : std::uint32_t { kScatterNumbers, kLightNumbers, kRoulette, kPerEvent };

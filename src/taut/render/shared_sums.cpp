@@ -13,6 +13,10 @@ namespace {
 
 /// Pixels that are read at once: a damaged head asks for no more memory than its file is worth.
 constexpr std::size_t kBlock = 4096;
+constexpr std::size_t kSaved = 9; ///< of kShares: those that are shares
+constexpr bool isShare(std::size_t k) {
+    return k % 4 < 3;
+}
 
 } // namespace
 
@@ -22,7 +26,9 @@ SharedSums::SharedSums(const Window &window) : window_(window) {
 
 void SharedSums::add(int x, int y, const SharedSample &sample, const Vec3 &radiance, float alpha) {
     Shares &shares = pixels_[pixelAt(x, y)];
-    const std::array<float, kValues> values{radiance.x, radiance.y, radiance.z, alpha, 1};
+    constexpr float kLimit = 0x1p63F; // as exact sums are held
+    const auto held = [](float x) { return std::clamp(x, -kLimit, kLimit); };
+    const std::array<float, kValues> values{held(radiance.x), held(radiance.y), held(radiance.z), alpha, 1};
     std::array<float, kShares> weights{};
     for (std::size_t row = 0; row < 3; ++row)
         for (std::size_t column = 0; column < 3; ++column) weights[4 * row + column] = sample.down[row] * sample.across[column];
@@ -53,23 +59,34 @@ void SharedSums::copy(const SharedSums &from, const Window &part) {
 }
 
 void SharedSums::save(std::ostream &out) const {
-    out.write(reinterpret_cast<const char *>(pixels_.data()), static_cast<std::streamsize>(pixels_.size() * sizeof(Shares)));
+    std::vector<float> values;
+    for (std::size_t first = 0; first < pixels_.size(); first += kBlock) {
+        values.clear();
+        for (std::size_t p = first; p < std::min(first + kBlock, pixels_.size()); ++p)
+            for (const auto &shares : pixels_[p])
+                for (std::size_t k = 0; k < kShares; ++k)
+                    if (isShare(k)) values.push_back(shares[k]);
+        out.write(reinterpret_cast<const char *>(values.data()), static_cast<std::streamsize>(values.size() * sizeof(float)));
+    }
 }
 
 SharedSums SharedSums::load(std::istream &in, const Window &window) {
     SharedSums sums;
     sums.window_ = window;
     const std::size_t pixels = window.empty() ? 0 : static_cast<std::size_t>(window.width()) * static_cast<std::size_t>(window.height());
+    std::vector<float> values;
     while (sums.pixels_.size() < pixels) {
-        const std::size_t first = sums.pixels_.size();
-        const std::size_t count = std::min(kBlock, pixels - first);
-        sums.pixels_.resize(first + count);
-        if (!in.read(reinterpret_cast<char *>(&sums.pixels_[first]), static_cast<std::streamsize>(count * sizeof(Shares))))
+        const std::size_t count = std::min(kBlock, pixels - sums.pixels_.size());
+        values.resize(count * kValues * kSaved);
+        if (!in.read(reinterpret_cast<char *>(values.data()), static_cast<std::streamsize>(values.size() * sizeof(float))))
             throw InputError("film: found its end early, expected what its pixels share");
-        for (std::size_t p = first; p < first + count; ++p)
-            for (const auto &shares : sums.pixels_[p])
-                for (const float value : shares)
-                    if (!std::isfinite(value)) throw InputError("film: found a share that is not finite, expected numbers");
+        if (!std::all_of(values.begin(), values.end(), [](float value) { return std::isfinite(value); }))
+            throw InputError("film: found a share that is not finite, expected numbers");
+        auto next = values.begin();
+        for (std::size_t p = 0; p < count; ++p)
+            for (auto &shares : sums.pixels_.emplace_back())
+                for (std::size_t k = 0; k < kShares; ++k)
+                    if (isShare(k)) shares[k] = *next++;
     }
     return sums;
 }
