@@ -299,9 +299,10 @@ TEST_CASE("Sobol: sets of three and of five numbers stratify each other", "[samp
         };
         CHECK(isNet(1, 8, 3, set));
         CHECK(isNet(5, 8, 5, set));
-        // The place in the pixel by itself: a (0, m, 2)-net of 4 to 32 points.
+        // The place in the pixel by itself: a (0, m, 2)-net of 4, 8, 32 and 64 points, all five a (1, m, 5)-net of 16.
         const auto place = [&](std::uint32_t i) { return std::array<float, 5>{set(i)[3], set(i)[4]}; };
-        for (const int m : {2, 3, 4, 5}) CHECK(isNet(0, m, 2, place));
+        for (const int m : {2, 3, 5, 6}) CHECK(isNet(0, m, 2, place));
+        CHECK(isNet(1, 4, 5, set));
         // Numbers of sets that know nothing of each other are no net.
         CHECK_FALSE(isNet(1, 8, 3, [&](std::uint32_t i) { return std::array<float, 5>{set(i)[0], set(i)[1], sobol1(i, seed + 99)}; }));
     }

@@ -69,9 +69,9 @@ constexpr SobolColumns sobolColumns(std::size_t degree, std::uint32_t coefficien
     return columns;
 }
 inline constexpr SobolColumns kSobolThird = sobolColumns(2, 1, {1, 3});
-/// These two with direction numbers by which they stratify each other at 4 to 32 points, as the first two do.
-inline constexpr SobolColumns kSobolFourth = sobolColumns(3, 1, {1, 1, 5});
-inline constexpr SobolColumns kSobolFifth = sobolColumns(3, 2, {1, 3, 1});
+/// These two with the direction numbers by which both together, and all five, stratify each other best at 4 to 64 points.
+inline constexpr SobolColumns kSobolFourth = sobolColumns(3, 1, {1, 1, 1});
+inline constexpr SobolColumns kSobolFifth = sobolColumns(3, 2, {1, 3, 5});
 
 [[gnu::always_inline]] inline std::uint32_t sobolReversed(const SobolColumns &columns, std::uint32_t index) {
     std::uint32_t x = 0;

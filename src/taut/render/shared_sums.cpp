@@ -18,6 +18,11 @@ constexpr bool isShare(std::size_t k) {
     return k % 4 < 3;
 }
 
+/// A sample that sums don't overflow by, as exact sums are held.
+float held(float value) {
+    return std::clamp(value, -0x1p63F, 0x1p63F);
+}
+
 } // namespace
 
 SharedSums::SharedSums(const Window &window) : window_(window) {
@@ -26,8 +31,6 @@ SharedSums::SharedSums(const Window &window) : window_(window) {
 
 void SharedSums::add(int x, int y, const SharedSample &sample, const Vec3 &radiance, float alpha) {
     Shares &shares = pixels_[pixelAt(x, y)];
-    constexpr float kLimit = 0x1p63F; // as exact sums are held
-    const auto held = [](float x) { return std::clamp(x, -kLimit, kLimit); };
     const std::array<float, kValues> values{held(radiance.x), held(radiance.y), held(radiance.z), alpha, 1};
     std::array<float, kShares> weights{};
     for (std::size_t row = 0; row < 3; ++row)
