@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# The demo: a grained rubber sheet drawn out, a dimpled rubber grip twisted and bent, and our brushed meshes sheared, twisted and
-# stretched, with the gloss following the deformation and with roughness held fixed as other renderers do. Between the two only the scene
-# key `follow` differs.
+# The demo: a grained rubber sheet drawn out, a dimpled rubber grip drawn out, twisted and bent, and our brushed meshes sheared, twisted
+# and stretched, with the gloss following the deformation and with roughness held fixed as other renderers do. Between the two only
+# the scene key `follow` differs.
 #
 #   apps/demo/demo.sh TAUT OUTDIR             everything below, in about four minutes on two cores
 #   apps/demo/demo.sh TAUT OUTDIR PICTURE     only the README's picture, with 256 samples a pixel; it is committed, made by
