@@ -127,10 +127,16 @@ TEST_CASE("pilots: predicted errors of levels are what whole pictures show", "[p
     for (const int level : {1, 2}) {
         const auto coarse = pictures(level); // without the noise of either
         const double error = expectedDifference(coarse[0], coarse[1], full[0], full[1]);
-        INFO("level " << level << ": true " << error << ", by pilots " << predicted(planned.plan, level) << ", by analysis "
-                      << predicted(analysed, level));
-        CHECK(predicted(planned.plan, level) > 0.6 * error);
-        CHECK(predicted(planned.plan, level) < 2.5 * error);
+        const PilotFinding *found = findingOf(planned.plan, SubdivisionLevel{level});
+        REQUIRE(found != nullptr);
+        const double square = sqr(static_cast<double>(found->error));
+        const double spread = sqr(static_cast<double>(found->error + found->spread)) - square; // standard error of the square
+        INFO("level " << level << ": true " << error << ", by pilots " << found->error << " +" << found->spread << ", predicted "
+                      << predicted(planned.plan, level) << ", by analysis " << predicted(analysed, level));
+        CHECK(std::fabs(square - sqr(error)) < 3 * spread);
+        CHECK(spread < 30 * sqr(error)); // that tells something
+        CHECK(predicted(planned.plan, level) > 0.5 * error);
+        CHECK(predicted(planned.plan, level) < 0.2 * predicted(analysed, level));
     }
     // Sharper than bounds: it takes fewer faces, and the error stays below the tolerance.
     CHECK(planned.plan.meshes[0].subdivisionLevel < analysed.meshes[0].subdivisionLevel);

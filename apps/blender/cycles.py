@@ -1,7 +1,7 @@
 """Cycles as Taut's peer: one set of unbiased settings, one way to render.
 
     blender -b -noaudio --factory-startup --python-exit-code 1 --python cycles.py -- serve SCENE.json
-    blender ... -- render SCENE.toml FRAME SPP OUT.exr FILE...
+    blender ... -- render SCENE.toml FRAME SPP OUT.exr [seed=N] FILE...
     blender ... -- compare REFERENCE.exr OUT.png NAME=IMAGE.exr... [materials=NUMBERS.exr:NAME,...]
 
 serve, for taut_bench and taut chart: builds a scene once, then renders what it is asked for. SCENE.json and the binary meshes beside it
@@ -304,7 +304,6 @@ def serve(path):
 
 
 def render(path, frame, spp, output, *files):
-    """One of `files` may be seed=N."""
     import tomllib
 
     from taut_gloss import import_gloss
@@ -316,17 +315,14 @@ def render(path, frame, spp, output, *files):
         raise ValueError("found an [environment] without radiance, expected a constant one")
     bpy.ops.wm.read_factory_settings(use_empty=True)
     scene = bpy.context.scene
-    for file in files:
-        if not file.startswith("seed="):
-            import_gloss(file, int(frame))
+    set_cycles(scene, description.get("render", {}), int(spp))
+    scene.cycles.seed = next((int(word[5:]) for word in files if word.startswith("seed=")), 0)
+    for file in (word for word in files if not word.startswith("seed=")):
+        import_gloss(file, int(frame))
     add_camera(scene, description["camera"])
     for light in description.get("light", []):
         add_light(scene, light)
     set_environment(scene, environment, sampled=True)
-    set_cycles(scene, description.get("render", {}), int(spp))
-    for word in files:
-        if word.startswith("seed="):
-            scene.cycles.seed = int(word[5:])
     scene.frame_set(int(frame))
     scene.render.filepath = os.path.abspath(output)
     bpy.ops.render.render(write_still=True)
