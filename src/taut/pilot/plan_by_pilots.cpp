@@ -41,6 +41,9 @@ constexpr float kShareByBounds = 0.3F;
 /// Share of the asked error that is aimed at; the rest is for what is not known of the noise before the end.
 constexpr double kAim = 0.96;
 constexpr std::array<int, 2> kEventLimits{2, 4};
+/// Share of the rays that a limit of events must save: where pilots see hardly any path that is longer, they don't see its light either,
+/// which may be rare and bright.
+constexpr float kLeastRaysSaved = 0.05F;
 
 /// Greatest error that the analysis predicts for a value, over all of a plan's questions of its kind; meshes and materials add in squares.
 double predictedFor(const ScenePlan &plan, const ChoiceValue &value) {
@@ -220,7 +223,8 @@ class PilotedPlan {
         for (const int limit : kEventLimits) {
             if (limit >= scene_.render.maxEvents) break;
             const double error = note(EventLimit{limit}, picture(ready, limit));
-            question.choices.push_back({EventLimit{limit}, static_cast<float>(error), findings_.back().rays, 0, {}});
+            if (findings_.back().rays < (1 - kLeastRaysSaved) * findings_.front().rays)
+                question.choices.push_back({EventLimit{limit}, static_cast<float>(error), findings_.back().rays, 0, {}});
         }
         question.choices.push_back({EventLimit{scene_.render.maxEvents}, 0, findings_.front().rays, 0, {}});
         events_ = std::move(question);
