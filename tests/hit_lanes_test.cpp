@@ -38,11 +38,7 @@ TEST_CASE("Shading at once gives the picture of shading one by one", "[render][l
 }
 
 TEST_CASE("Textures, compensation and glTF's material at once give the picture of one by one", "[render][lanes]") {
-    struct Case {
-        std::string name;
-        Scene scene;
-    };
-    std::vector<Case> cases;
+    std::vector<LaneCase> cases;
     const auto add = [&](const std::string &name, Material material, const auto &change) {
         Scene s = textured(material);
         change(s, s.materials[0]);
@@ -108,16 +104,7 @@ TEST_CASE("Textures, compensation and glTF's material at once give the picture o
         s.objects[0].mesh = std::make_shared<const Mesh>(std::move(mesh));
     });
     add("separable paint", paint, [](Scene &, Material &m) { m.masking = Masking::Separable; });
-    for (const Case &c : cases)
-        for (const bool animated : {false, true}) {
-            INFO(c.name << (animated ? ", animated" : ""));
-            REQUIRE(laneMaterial(prepareMaterials(c.scene, defaultPlan(c.scene))[0]).inLanes);
-            const std::vector<float> atOnce = imageOf(c.scene, false, animated, 8);
-            CHECK(atOnce == imageOf(c.scene, true, animated, 8));
-            CHECK(*std::max_element(atOnce.begin(), atOnce.end()) > 0.2F);
-            const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
-            CHECK(atOnce == imageOf(c.scene, false, animated, 8));
-        }
+    checkPictures(cases);
 }
 
 TEST_CASE("Singular values out of range are clamped at once as one by one", "[render][lanes]") {

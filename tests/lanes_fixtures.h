@@ -1,9 +1,14 @@
 #pragma once
 /// Scenes whose hits are shaded at once, and pictures of them shaded either way.
 
+#include "catch.h"
 #include "render_fixtures.h"
 
 #include "taut/render/hit_lanes.h"
+
+#include <tbb/global_control.h>
+
+#include <algorithm>
 
 namespace taut::test {
 
@@ -57,6 +62,26 @@ inline Material plain(BsdfType type, float alphaX, float alphaY, float rotation)
     m.conductorK = Vec3(3.9F, 2.5F, 2.2F);
     m.multiscatter = Multiscatter::Off;
     return m;
+}
+
+/// A scene whose first material goes by lanes.
+struct LaneCase {
+    std::string name;
+    Scene scene;
+};
+
+/// Hits at once give the bits of hits one by one, animated and still, on all threads and on one; and there is something to see.
+inline void checkPictures(const std::vector<LaneCase> &cases) {
+    for (const LaneCase &c : cases)
+        for (const bool animated : {false, true}) {
+            INFO(c.name << (animated ? ", animated" : ""));
+            REQUIRE(laneMaterial(prepareMaterials(c.scene, defaultPlan(c.scene))[0]).inLanes);
+            const std::vector<float> atOnce = imageOf(c.scene, false, animated, 8);
+            CHECK(atOnce == imageOf(c.scene, true, animated, 8));
+            CHECK(*std::max_element(atOnce.begin(), atOnce.end()) > 0.2F);
+            const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+            CHECK(atOnce == imageOf(c.scene, false, animated, 8));
+        }
 }
 
 } // namespace taut::test

@@ -25,25 +25,7 @@ Scene mappedScene(const Material &material) {
     return s;
 }
 
-struct Case {
-    std::string name;
-    Scene scene;
-};
-
-void checkPictures(const std::vector<Case> &cases) {
-    for (const Case &c : cases)
-        for (const bool animated : {false, true}) {
-            INFO(c.name << (animated ? ", animated" : ""));
-            REQUIRE(laneMaterial(prepareMaterials(c.scene, defaultPlan(c.scene))[0]).inLanes);
-            const std::vector<float> atOnce = imageOf(c.scene, false, animated, 8);
-            CHECK(atOnce == imageOf(c.scene, true, animated, 8));
-            CHECK(*std::max_element(atOnce.begin(), atOnce.end()) > 0.2F);
-            const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
-            CHECK(atOnce == imageOf(c.scene, false, animated, 8));
-        }
-}
-
-template <class Change> void add(std::vector<Case> &cases, const std::string &name, const Material &material, const Change &change) {
+template <class Change> void add(std::vector<LaneCase> &cases, const std::string &name, const Material &material, const Change &change) {
     Scene s = mappedScene(material);
     change(s, s.materials[0]);
     cases.push_back({name, std::move(s)});
@@ -59,7 +41,7 @@ Material paint() {
 } // namespace
 
 TEST_CASE("Mapped facets at once give the picture of one by one", "[render][lanes][mapped_render]") {
-    std::vector<Case> cases;
+    std::vector<LaneCase> cases;
     const auto mapped = [](Scene &, Material &m) { m.slopes = {SlopeMap::Kind::Normal, kNormals, 1}; };
     add(cases, "diffuse", plain(BsdfType::Diffuse, 1, 1, 0), mapped);
     add(cases, "Schlick, brushed and turned", plain(BsdfType::Conductor, 0.08F, 0.4F, 0.5F), mapped);
@@ -136,7 +118,7 @@ TEST_CASE("Mapped facets at once give the picture of one by one", "[render][lane
 }
 
 TEST_CASE("Walks from what was gathered give the picture of one by one", "[render][lanes]") {
-    std::vector<Case> cases;
+    std::vector<LaneCase> cases;
     for (const auto treatment : {Multiscatter::Walk, Multiscatter::Auto})
         for (const BsdfType type : {BsdfType::Conductor, BsdfType::Metal, BsdfType::Dielectric, BsdfType::MetallicRoughness})
             for (const bool mapped : {false, true})
@@ -152,7 +134,7 @@ TEST_CASE("Walks from what was gathered give the picture of one by one", "[rende
 }
 
 TEST_CASE("What no loop knows scatters from what was gathered, as one by one", "[render][lanes]") {
-    std::vector<Case> cases;
+    std::vector<LaneCase> cases;
     using Change = void (*)(Material &);
     const std::pair<const char *, Change> kinds[] = {{"fibres",
                                                       [](Material &m) {
@@ -188,7 +170,7 @@ TEST_CASE("What no loop knows scatters from what was gathered, as one by one", "
 }
 
 TEST_CASE("Coats and numbers of KHR_materials_specular at once give the picture of one by one", "[render][lanes]") {
-    std::vector<Case> cases;
+    std::vector<LaneCase> cases;
     const auto coated = [](float share, float roughness) {
         Material m = paint();
         m.clearcoat.value = share;
@@ -243,7 +225,7 @@ TEST_CASE("Coats and numbers of KHR_materials_specular at once give the picture 
 }
 
 TEST_CASE("What emits is shaded at once as one by one", "[render][lanes]") {
-    std::vector<Case> cases;
+    std::vector<LaneCase> cases;
     const auto shining = [](Scene &s, const Emission &slot) { s.objects[0].slotEmission = {slot}; };
     add(cases, "a mesh that shines", paint(), [&](Scene &s, Material &) { s.objects[0].emission.value = Vec3(0.3F, 0.2F, 0.1F); });
     add(cases, "a textured slot", paint(), [&](Scene &s, Material &m) {
@@ -266,7 +248,7 @@ TEST_CASE("What emits is shaded at once as one by one", "[render][lanes]") {
 }
 
 TEST_CASE("Every way of deforming at once gives the picture of one by one", "[render][lanes]") {
-    std::vector<Case> cases;
+    std::vector<LaneCase> cases;
     const Material brushed = plain(BsdfType::Conductor, 0.08F, 0.4F, 0.5F);
     const auto asItIs = [](Scene &, Material &) {};
     const auto mapped = [](Scene &, Material &m) { m.slopes = {SlopeMap::Kind::Normal, kNormals, 1}; };
