@@ -43,13 +43,13 @@ TEST_CASE("A normal-mapped rough conductor is that of Cycles, at the noise", "[m
     }
     const std::string folder = freshFolder("mapped_blender");
     constexpr int kSide = 512;
-    constexpr float kSteep = 0.5F;
+    const float steep = GENERATE(0.3F, 0.5F);
     std::vector<float> texels;
     for (int row = 0; row < kSide; ++row)
         for (int column = 0; column < kSide; ++column) {
             const float u = 8 * kPi * (static_cast<float>(column) + 0.5F) / kSide;
             const float v = 8 * kPi * (static_cast<float>(kSide - row) - 0.5F) / kSide;
-            const Vec3 n = glm::normalize(Vec3(kSteep * std::cos(u) * std::sin(v), kSteep * std::sin(u) * std::cos(v), 1));
+            const Vec3 n = glm::normalize(Vec3(steep * std::cos(u) * std::sin(v), steep * std::sin(u) * std::cos(v), 1));
             for (int c = 0; c < 3; ++c) texels.push_back(0.5F * n[c] + 0.5F);
         }
     const std::string normals = folder + "/normals.exr";
@@ -75,6 +75,7 @@ TEST_CASE("A normal-mapped rough conductor is that of Cycles, at the noise", "[m
     const double flat = relativeError(picture("flat", "1", "0.0"), cycles);
     std::cout << "Cycles: relative mean squared error " << apart << ", noise of both " << noise << ", without the map " << flat
               << std::endl;
-    CHECK(apart < 1.5 * noise);
+    // At slopes of a half facets reflect below the plate: we mirror that light, Cycles bends the normal.
+    CHECK(apart < (steep < 0.4F ? 1.15 : 1.5) * noise);
     CHECK(flat > 100 * apart);
 }
