@@ -243,7 +243,7 @@ Chart measurePlan(const ChartOptions &options) {
     int number = 0;
     for (const ErrorScene &scene : errorScenes(width))
         if (!quick || number++ % 6 == 2) {
-            outcomes.push_back(outcomeOf(scene, quick ? 64 : 256));
+            outcomes.push_back(outcomeOf(scene, quick ? 64 : 1024));
             tell(outcomes.back());
         }
 

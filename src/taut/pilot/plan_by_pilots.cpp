@@ -174,9 +174,13 @@ class PilotedPlan {
         return predicted > 0 ? static_cast<float>(std::clamp(measured / predicted, 1e-4, 10.0)) : 1.0F;
     }
 
-    /// The full model, with meshes at these levels.
+    [[nodiscard]] const ScenePlan &fullModel() const {
+        if (!fullModel_) fullModel_ = fullPlan(scene_);
+        return *fullModel_;
+    }
+    /// With meshes at these levels.
     [[nodiscard]] ScenePlan fullAt(const std::vector<int> &chosen) const {
-        ScenePlan plan = fullPlan(scene_);
+        ScenePlan plan = fullModel();
         for (std::size_t i = 0; i < plan.meshes.size(); ++i) plan.meshes[i].subdivisionLevel = chosen[i];
         return plan;
     }
@@ -195,7 +199,7 @@ class PilotedPlan {
     }
 
     void measureMaterials(RenderScene &ready) {
-        const ScenePlan full = fullPlan(scene_);
+        const ScenePlan &full = fullModel();
         const auto with = [&](const ChoiceValue &value, const auto &change) {
             if (!isAsked(asked_, value)) return 1.0F;
             std::vector<MultiscatterPlan> materials = full.materials;
@@ -314,7 +318,7 @@ class PilotedPlan {
     }
 
     [[nodiscard]] PilotPicture pictureOf(const ScenePlan &plan) const {
-        const ScenePlan full = fullPlan(scene_);
+        const ScenePlan &full = fullModel();
         const auto isFull = [](const MeshPlan &a, const MeshPlan &b) {
             return a.stretch == b.stretch && a.estimator == b.estimator && a.interpolation == b.interpolation &&
                    a.subdivisionLevel == b.subdivisionLevel;
@@ -369,6 +373,7 @@ class PilotedPlan {
     ScenePlan asked_; // by the analysis alone: its questions
     ForeseenTime time_;
     std::vector<Window> windows_;
+    mutable std::optional<ScenePlan> fullModel_;
     std::unique_ptr<RenderScene> full_; // where no levels are to be measured
     PilotPicture reference_;
     PlanScales scales_;

@@ -36,7 +36,7 @@ std::vector<int> levelsOf(const ScenePlan &plan) {
 /// What an object does over the frames.
 struct ObjectFacts {
     GradientField field;
-    RefinementError probe; ///< where the plan chooses the level
+    RefinementError probe;       ///< where the plan chooses the level
     std::vector<float> hardness; ///< [frames looked at] of it, without a unit
     AlphaRange alpha;            ///< of its materials
     bool isMapped = false;
@@ -180,13 +180,45 @@ struct ScenePlanner::State {
     }
 };
 
+namespace {
+
+ScenePlan defaultOf(const Scene &scene) {
+    ScenePlan plan;
+    for (const Object &object : scene.objects) {
+        MeshPlan mesh;
+        mesh.stretch = isRigid(object) || !object.follow ? StretchModel::Constant
+                       : object.lean                     ? StretchModel::Leaning
+                                                         : StretchModel::PerVertex;
+        mesh.estimator = defaultEstimator(object);
+        mesh.subdivisionLevel = object.subdivision.level;
+        mesh.interpolation = object.interpolation.value_or(GradientInterpolation::Stretch);
+        plan.meshes.push_back(std::move(mesh));
+    }
+    plan.materials.resize(scene.materials.size());
+    for (const Material &material : scene.materials)
+        plan.details.push_back({material.detail == TextureDetail::Moments ? TextureDetail::Moments : TextureDetail::Map, 0, {}});
+    plan.bvh = chooseBvh(scene, levelsOf(plan));
+    return plan;
+}
+
+ScenePlan fullOf(const Scene &scene) {
+    ScenePlan plan = defaultOf(scene);
+    for (std::size_t i = 0; i < plan.meshes.size(); ++i)
+        if (scene.objects[i].planLevel) plan.meshes[i].subdivisionLevel = mostLevel(scene, scene.objects[i]);
+    for (MultiscatterPlan &material : plan.materials) material.model = Multiscatter::Walk;
+    plan.bvh = BvhKind::Rebuild;
+    return plan;
+}
+
+} // namespace
+
 ScenePlanner::ScenePlanner(const Scene &scene, const PlanOptions &options) : state_(std::make_unique<State>(scene, options)) {}
 ScenePlanner::~ScenePlanner() = default;
 
 ScenePlan ScenePlanner::decide(const PlanScales &scales, std::optional<float> tolerance) const {
     const State &s = *state_;
-    if (s.options.full) return fullPlan(s.scene);
-    ScenePlan plan = defaultPlan(s.scene);
+    if (s.options.full) return fullOf(s.scene);
+    ScenePlan plan = defaultOf(s.scene);
     plan.tolerance = tolerance.value_or(kDefaultTolerance);
     for (std::size_t i = 0; i < s.scene.objects.size(); ++i) s.planObject(i, scales, plan);
     s.planMaterials(scales, !tolerance, plan);
@@ -202,7 +234,8 @@ PlannedScene ScenePlanner::finish(ScenePlan plan) {
         const Object &object = s.scene.objects[i];
         const int level = s.planned.plan.meshes[i].subdivisionLevel;
         if (s.choosesLevel(i) && s.scene.budget)
-            s.scene.budget->take(objectBytes(object, s.scene.render, level), "mesh " + quoted(object.name), "level " + std::to_string(level));
+            s.scene.budget->take(objectBytes(object, s.scene.render, level), "mesh " + quoted(object.name),
+                                 "level " + std::to_string(level));
         if (level != s.probeLevel(i)) s.planned.surfaces[i] = ObjectSurface();
         if (s.options.report) s.report(s.scene, i);
     }
@@ -227,31 +260,12 @@ int ScenePlanner::hardestFrame() const {
 
 ScenePlan defaultPlan(const Scene &scene) {
     check(scene);
-    ScenePlan plan;
-    for (const Object &object : scene.objects) {
-        MeshPlan mesh;
-        mesh.stretch = isRigid(object) || !object.follow ? StretchModel::Constant
-                       : object.lean                     ? StretchModel::Leaning
-                                                         : StretchModel::PerVertex;
-        mesh.estimator = defaultEstimator(object);
-        mesh.subdivisionLevel = object.subdivision.level;
-        mesh.interpolation = object.interpolation.value_or(GradientInterpolation::Stretch);
-        plan.meshes.push_back(std::move(mesh));
-    }
-    plan.materials.resize(scene.materials.size());
-    for (const Material &material : scene.materials)
-        plan.details.push_back({material.detail == TextureDetail::Moments ? TextureDetail::Moments : TextureDetail::Map, 0, {}});
-    plan.bvh = chooseBvh(scene, levelsOf(plan));
-    return plan;
+    return defaultOf(scene);
 }
 
 ScenePlan fullPlan(const Scene &scene) {
-    ScenePlan plan = defaultPlan(scene);
-    for (std::size_t i = 0; i < plan.meshes.size(); ++i)
-        if (scene.objects[i].planLevel) plan.meshes[i].subdivisionLevel = mostLevel(scene, scene.objects[i]);
-    for (MultiscatterPlan &material : plan.materials) material.model = Multiscatter::Walk;
-    plan.bvh = BvhKind::Rebuild;
-    return plan;
+    check(scene);
+    return fullOf(scene);
 }
 
 PlannedScene planScene(const Scene &scene, const PlanOptions &options) {

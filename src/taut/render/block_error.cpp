@@ -19,22 +19,23 @@ double ofColours(const double *first, double s1, const double *second, double s2
 /// the mean around, for which the mean of the pixel that gives is taken: a little too low along hard outlines.
 double ofShares(const double *first, double s1, const double *second, double s2) {
     constexpr std::size_t n = SharedSums::kShares;
-    const auto sumOf = [&](const double *values) {
-        double sum = 0;
-        for (std::size_t k = 0; k < n; ++k) sum += values[k];
-        return sum;
+    constexpr std::size_t kRow = 4; // sums of its columns, as vectors add them
+    const auto sumOf = [](const double *values) {
+        std::array<double, kRow> sums{};
+        for (std::size_t k = 0; k < n; ++k) sums[k % kRow] += values[k];
+        return sums[0] + sums[1] + sums[2] + sums[3];
     };
     std::array<double, n> weights{};
     for (std::size_t k = 0; k < n; ++k) weights[k] = s1 * first[4 * n + k] - s2 * second[4 * n + k];
     const double weight = sumOf(second + 4 * n);
-    double sum = 0;
+    std::array<double, n> squares{};
     for (std::size_t channel = 0; channel < 3; ++channel) {
         const double *a = first + channel * n;
         const double *b = second + channel * n;
         const double mean = weight > 0 ? sumOf(b) / weight : 0;
-        for (std::size_t k = 0; k < n; ++k) sum += sqr(s1 * a[k] - s2 * b[k] - mean * weights[k]);
+        for (std::size_t k = 0; k < n; ++k) squares[k] += sqr(s1 * a[k] - s2 * b[k] - mean * weights[k]);
     }
-    return sum / 3;
+    return sumOf(squares.data()) / 3;
 }
 
 /// Mean over a part's pixels of what `value` makes of their place in the window's sums.
@@ -53,13 +54,18 @@ std::size_t valuesAPixel(const Window &window, std::span<const double> sums) {
 } // namespace
 
 void ColourSums::fill(const Film &film, const Window &window, std::vector<double> &sums) {
-    sums.clear();
+    const SharedSums *shared = film.sharedSums();
+    const std::size_t perPixel = shared != nullptr ? kShared : 3;
+    sums.resize(static_cast<std::size_t>(window.width()) * static_cast<std::size_t>(window.height()) * perPixel);
+    double *next = sums.data();
     for (int y = window.y0; y < window.y1; ++y)
-        for (int x = window.x0; x < window.x1; ++x) {
-            if (const SharedSums *shared = film.sharedSums())
-                for (const auto &shares : shared->at(x, y)) sums.insert(sums.end(), shares.begin(), shares.end());
-            else
-                for (std::size_t channel = 0; channel < 3; ++channel) sums.push_back(film.sumAt(x, y, channel).value());
+        for (int x = window.x0; x < window.x1; ++x, next += perPixel) {
+            if (shared != nullptr) {
+                const float *shares = shared->at(x, y).front().data();
+                for (std::size_t k = 0; k < kShared; ++k) next[k] = static_cast<double>(shares[k]);
+            } else {
+                for (std::size_t channel = 0; channel < 3; ++channel) next[channel] = film.sumAt(x, y, channel).value();
+            }
         }
 }
 

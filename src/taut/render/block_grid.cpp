@@ -38,11 +38,20 @@ std::array<int, 2> BlockGrid::towardsGuide(int column, int row) {
     return kSteps[static_cast<std::size_t>(colourAt(column, row))];
 }
 
-std::optional<Index> BlockGrid::at(int column, int row) const {
-    column -= firstColumn_;
-    row -= firstRow_;
-    if (column < 0 || column >= columns_ || row < 0 || row >= rows_) return std::nullopt;
-    return static_cast<Index>(row) * static_cast<Index>(columns_) + static_cast<Index>(column);
+std::vector<BlockGrid::Neighbour> BlockGrid::followers(int colour, int reach, int distance) {
+    int column = 0;
+    int row = 0;
+    while (colourAt(column, row) != colour) {
+        column = (column + 1) % 3;
+        if (column == 0) ++row;
+    }
+    std::vector<Neighbour> ways;
+    for (int dy = -distance; dy <= distance; ++dy)
+        for (int dx = -distance; dx <= distance; ++dx) {
+            const int steps = (colourAt(column + dx, row + dy) - colour + kColours) % kColours;
+            if (steps >= 1 && steps <= reach) ways.push_back({dx, dy});
+        }
+    return ways;
 }
 
 std::array<std::optional<Index>, 2> BlockGrid::nextOnRing(Index block) const {

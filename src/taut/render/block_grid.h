@@ -6,6 +6,7 @@
 
 #include <array>
 #include <optional>
+#include <vector>
 
 namespace taut {
 
@@ -29,11 +30,23 @@ class BlockGrid {
     /// Colour of a block by its place in the frame, counted in blocks; and the way to the neighbour of the next colour.
     static int colourAt(int column, int row);
     static std::array<int, 2> towardsGuide(int column, int row);
+    /// A way from a block to another, in blocks.
+    struct Neighbour {
+        int dx = 0, dy = 0;
+    };
+    /// Ways from a block of this colour to those at most `distance` away along each axis whose colours are the next `reach` on the ring,
+    /// row by row.
+    static std::vector<Neighbour> followers(int colour, int reach, int distance);
 
   private:
     [[nodiscard]] int columnOf(Index block) const { return firstColumn_ + static_cast<int>(block) % columns_; }
     [[nodiscard]] int rowOf(Index block) const { return firstRow_ + static_cast<int>(block) / columns_; }
-    [[nodiscard]] std::optional<Index> at(int column, int row) const;
+    [[nodiscard]] std::optional<Index> at(int column, int row) const {
+        column -= firstColumn_;
+        row -= firstRow_;
+        if (column < 0 || column >= columns_ || row < 0 || row >= rows_) return std::nullopt;
+        return static_cast<Index>(row) * static_cast<Index>(columns_) + static_cast<Index>(column);
+    }
 
     Window window_;
     int columns_ = 0, rows_ = 0, firstColumn_ = 0, firstRow_ = 0;

@@ -132,24 +132,23 @@ double Film::luminanceSum(int x, int y) const {
     return 0.2126 * sum[0].value() + 0.7152 * sum[1].value() + 0.0722 * sum[2].value();
 }
 
-std::array<float, 4> Film::colourAt(int x, int y) const {
-    if (shared_) return shared_->resolve(x, y, counts_);
-    const std::size_t pixel = pixelAt(x, y);
-    const double inverse = counts_[pixel] > 0 ? 1.0 / counts_[pixel] : 0.0;
-    std::array<float, 4> colour{};
-    for (std::size_t c = 0; c < 4; ++c) colour[c] = static_cast<float>(sums_[pixel * stride_ + c].value() * inverse);
-    return colour;
+std::vector<std::array<float, 4>> Film::colours() const {
+    if (shared_) return shared_->resolve(counts_);
+    std::vector<std::array<float, 4>> colours(counts_.size());
+    for (std::size_t p = 0; p < counts_.size(); ++p) {
+        const double inverse = counts_[p] > 0 ? 1.0 / counts_[p] : 0.0;
+        for (std::size_t c = 0; c < 4; ++c) colours[p][c] = static_cast<float>(sums_[p * stride_ + c].value() * inverse);
+    }
+    return colours;
 }
 
 std::vector<float> Film::resolve() const {
+    const std::vector<std::array<float, 4>> colours = this->colours();
     std::vector<float> values;
     values.reserve(counts_.size() * channelNames().size());
     for (std::size_t p = 0; p < counts_.size(); ++p) {
         const ExactSum *sum = &sums_[p * stride_];
-        const int across = static_cast<int>(p) % window_.width();
-        const int down = static_cast<int>(p) / window_.width();
-        const std::array<float, 4> colour = colourAt(window_.x0 + across, window_.y0 + down);
-        values.insert(values.end(), colour.begin(), colour.end());
+        values.insert(values.end(), colours[p].begin(), colours[p].end());
         for (std::size_t c = 4; c < stride_; ++c) values.push_back(hits_[p] > 0 ? static_cast<float>(sum[c].value() / hits_[p]) : 0.0F);
         layers_.resolve(p, counts_[p], sum, values);
     }

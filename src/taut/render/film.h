@@ -46,8 +46,8 @@ class Film {
     /// Null where pixels do not share.
     [[nodiscard]] SharedSums *sharedSums() { return shared_ ? &*shared_ : nullptr; }
     [[nodiscard]] const SharedSums *sharedSums() const { return shared_ ? &*shared_ : nullptr; }
-    /// R, G, B, A of a pixel of the picture: means; 0 where there is no sample.
-    [[nodiscard]] std::array<float, 4> colourAt(int x, int y) const;
+    /// R, G, B, A of all pixels of the picture, row by row: means; 0 where there is no sample.
+    [[nodiscard]] std::vector<std::array<float, 4>> colours() const;
     /// Adds the samples of another film; the window grows to hold both. Whose samples those are is the caller's to know: a sample that
     /// is in both counts twice. Throws InputError where the AOVs or layers are others, one keeps what denoising needs and the other
     /// does not, or pixels share.

@@ -17,6 +17,7 @@ constexpr double kLeastShare = 0.01;
 /// Guides are looked for so many blocks around. Their standard deviations are averaged, with weights that fall to a fourth from block to
 /// block: one with rare light counts for less than by its variance.
 constexpr int kGuideDistance = 4;
+constexpr std::array<double, kGuideDistance + 1> kGuideWeights{4, 1, 0x1p-2, 0x1p-4, 0x1p-6};
 /// Samples that differ from block to block are worth their while where they save this share of the cost.
 constexpr double kWorthwhile = 0.05;
 /// The first decision goes this part of the way, where that is twice as far as the first pass at least, and no further than would do if the
@@ -37,15 +38,15 @@ constexpr double kChancePower = 0.5;
 /// Variance that every block is taken to have beside its own, over the mean, when controls are drawn.
 constexpr double kLeastChance = 0.1;
 /// What is known of the factor beforehand: points that stratify each other have p from 1 to 2, so it lies between 1/3 and 1; these are its
-/// mean and standard deviation over the scenes of `taut chart plan`. One control with rare light cannot make it ten.
-constexpr double kUsualFactor = 0.8;
-constexpr double kUsualSpread = 0.3;
+/// mean and standard deviation over the scenes of `taut chart plan`, at 2 to 128 samples. One control with rare light cannot make it ten.
+constexpr double kUsualFactor = 0.7;
+constexpr double kUsualSpread = 0.18;
 constexpr double kLeastFactor = 0.2, kGreatestFactor = 1.5;
 /// Variance of what a block's halves tell, over its square: pixels and colours of a block tell of each other.
 constexpr double kHalvesSpread = 0.2;
 /// Standard errors of the noise that are kept in reserve, and the most that is, of the noise.
 constexpr double kMargin = 1.2;
-constexpr double kMostReserve = 0.08;
+constexpr double kMostReserve = 0.12;
 
 /// A number of samples n, and n^-p.
 struct Step {
@@ -76,17 +77,32 @@ double PictureNoise::weightOf(Index block) const {
     return static_cast<double>(window.width()) * window.height();
 }
 
-double PictureNoise::varianceOf(Index block) const {
-    return factor_ * errors_[block].variance * std::pow(errors_[block].samples, exponentOf(factor_));
+std::vector<double> PictureNoise::variancesOfOne() const {
+    const double p = exponentOf(factor_);
+    int samples = 0;
+    double power = 0; // of them; many blocks have as many
+    std::vector<double> variances;
+    variances.reserve(errors_.size());
+    for (const BlockError &error : errors_) {
+        if (error.samples != samples) {
+            samples = error.samples;
+            power = std::pow(samples, p);
+        }
+        variances.push_back(factor_ * error.variance * power);
+    }
+    return variances;
 }
 
 void PictureNoise::noteSquares(const Film &film) {
+    const std::vector<std::array<float, 4>> colours = film.colours();
+    const Window &all = film.window();
     for (Index i = 0; i < errors_.size(); ++i) {
         const Window window = grid_.windowOf(i);
         double sum = 0;
         for (int y = window.y0; y < window.y1; ++y)
             for (int x = window.x0; x < window.x1; ++x) {
-                const std::array<float, 4> colour = film.colourAt(x, y);
+                const auto &colour = colours[static_cast<std::size_t>(y - all.y0) * static_cast<std::size_t>(all.width()) +
+                                             static_cast<std::size_t>(x - all.x0)];
                 for (std::size_t channel = 0; channel < 3; ++channel) sum += sqr(static_cast<double>(colour[channel]));
             }
         errors_[i].square = sum / (3 * weightOf(i));
@@ -193,33 +209,33 @@ double PictureNoise::aim() const {
 }
 
 std::vector<PictureNoise::Guide> PictureNoise::guidesOf(int reach) const {
+    const std::vector<double> variances = variancesOfOne();
     Guide all;
     double pixels = 0;
     for (Index i = 0; i < errors_.size(); ++i) {
-        all.variance += weightOf(i) * varianceOf(i);
+        all.variance += weightOf(i) * variances[i];
         all.cost += weightOf(i) * errors_[i].cost;
         pixels += weightOf(i);
     }
     all = {all.variance / pixels, all.cost / pixels};
     std::vector<Guide> guides(errors_.size());
-    std::vector<double> deviations(errors_.size());
-    for (Index i = 0; i < errors_.size(); ++i) deviations[i] = std::sqrt(varianceOf(i));
+    std::vector<double> deviations;
+    for (const double variance : variances) deviations.push_back(std::sqrt(variance));
+    std::array<std::vector<BlockGrid::Neighbour>, BlockGrid::kColours> around;
+    for (int colour = 0; colour < BlockGrid::kColours; ++colour)
+        around[static_cast<std::size_t>(colour)] = BlockGrid::followers(colour, reach, kGuideDistance);
     for (Index i = 0; i < errors_.size(); ++i) {
-        const int colour = grid_.colourOf(i);
         double deviation = 0;
         double cost = 0;
         double weights = 0;
-        for (int dy = -kGuideDistance; dy <= kGuideDistance; ++dy)
-            for (int dx = -kGuideDistance; dx <= kGuideDistance; ++dx) {
-                const std::optional<Index> other = grid_.beside(i, dx, dy);
-                if (!other) continue;
-                const int steps = (grid_.colourOf(*other) - colour + BlockGrid::kColours) % BlockGrid::kColours;
-                if (steps == 0 || steps > reach) continue;
-                const double weight = std::exp2(2 - 2 * std::max(std::abs(dx), std::abs(dy)));
-                deviation += weight * deviations[*other];
-                cost += weight * errors_[*other].cost;
-                weights += weight;
-            }
+        for (const auto &[dx, dy] : around[static_cast<std::size_t>(grid_.colourOf(i))]) {
+            const std::optional<Index> other = grid_.beside(i, dx, dy);
+            if (!other) continue;
+            const double weight = kGuideWeights[static_cast<std::size_t>(std::max(std::abs(dx), std::abs(dy)))];
+            deviation += weight * deviations[*other];
+            cost += weight * errors_[*other].cost;
+            weights += weight;
+        }
         guides[i] = weights > 0 ? Guide{std::max(sqr(deviation / weights), kLeastShare * all.variance), cost / weights} : all;
     }
     return guides;
@@ -238,7 +254,9 @@ PictureNoise::Allocation PictureNoise::cheapest(const std::vector<Guide> &choosi
             0; ///< cost of a sample, dithered: blocks of one kind go on one after another, in an order that depends on their place alone
         double own = 0; ///< v, over pixels
     };
+    const std::vector<double> variances = variancesOfOne();
     std::vector<Start> starts; // [blocks]
+    starts.reserve(errors_.size());
     for (Index i = 0; i < errors_.size(); ++i) {
         const int samples = errors_[i].samples;
         const auto next = std::upper_bound(steps.begin(), steps.end(), samples, [](int n, const Step &step) { return n < step.samples; });
@@ -247,7 +265,7 @@ PictureNoise::Allocation PictureNoise::cheapest(const std::vector<Guide> &choosi
         starts.push_back({{samples, std::pow(samples, -p)},
                           static_cast<std::size_t>(next - steps.begin()),
                           dither * std::max(guide.cost, 1.0),
-                          weightOf(i) * varianceOf(i)});
+                          weightOf(i) * variances[i]});
     }
     const auto stepOf = [&](Index i, double lambda) {
         const double variance = (choosing.size() == 1 ? choosing.front() : choosing[i]).variance;

@@ -119,8 +119,8 @@ class PictureNoise {
     void measure(const std::vector<double> &variances);
     /// Pixels of a block: what its means weigh.
     [[nodiscard]] double weightOf(Index block) const;
-    /// v of a block, by its own halves.
-    [[nodiscard]] double varianceOf(Index block) const;
+    /// v of each block, by its own halves.
+    [[nodiscard]] std::vector<double> variancesOfOne() const;
     [[nodiscard]] double squares() const;
     [[nodiscard]] double aim() const;
 

@@ -23,6 +23,11 @@ float held(float value) {
     return std::clamp(value, -0x1p63F, 0x1p63F);
 }
 
+std::array<float, 4> meanOf(const std::array<float, SharedSums::kValues> &sums) {
+    if (!(sums[4] > 0)) return {};
+    return {sums[0] / sums[4], sums[1] / sums[4], sums[2] / sums[4], sums[3] / sums[4]};
+}
+
 } // namespace
 
 SharedSums::SharedSums(const Window &window) : window_(window) {
@@ -39,21 +44,42 @@ void SharedSums::add(int x, int y, const SharedSample &sample, const Vec3 &radia
         for (std::size_t k = 0; k < kShares; ++k) shares[i][k] += weights[k] * values[i];
 }
 
-std::array<float, 4> SharedSums::resolve(int x, int y, std::span<const std::uint32_t> counts) const {
-    std::array<float, kValues> sums{};
-    for (int dy = -1; dy <= 1; ++dy)
-        for (int dx = -1; dx <= 1; ++dx) {
-            const int fromX = x - dx;
-            const int fromY = y - dy;
-            if (fromX < window_.x0 || fromX >= window_.x1 || fromY < window_.y0 || fromY >= window_.y1) continue;
-            const std::size_t from = pixelAt(fromX, fromY);
-            if (counts[from] == 0) continue;
-            const auto share = static_cast<std::size_t>(4 * (dy + 1) + dx + 1);
-            const float inverse = 1 / static_cast<float>(counts[from]);
-            for (std::size_t i = 0; i < kValues; ++i) sums[i] += pixels_[from][i][share] * inverse;
+std::vector<std::array<float, 4>> SharedSums::resolve(std::span<const std::uint32_t> counts) const {
+    if (window_.empty()) return {};
+    constexpr std::size_t kColumns = 4; // that a row of shares gives to at once
+    const auto width = static_cast<std::size_t>(window_.width());
+    const auto height = static_cast<std::size_t>(window_.height());
+    const std::size_t stride = width + kColumns; // a column before and what a row's fourth, always 0, reaches after
+    using Row = std::vector<float>;
+    std::vector<std::array<float, 4>> colours(width * height);
+    std::array<std::array<Row, kValues>, 3> rows; // of what has been given to y - 1, y and y + 1
+    for (auto &row : rows)
+        for (Row &sums : row) sums.assign(stride, 0.0F);
+    const auto take = [&](std::array<Row, kValues> &row, std::size_t y) { // nothing more is given to it
+        for (std::size_t x = 0; x < width; ++x) {
+            std::array<float, kValues> sums{};
+            for (std::size_t i = 0; i < kValues; ++i) sums[i] = row[i][x + 1];
+            colours[y * width + x] = meanOf(sums);
         }
-    if (!(sums[4] > 0)) return {};
-    return {sums[0] / sums[4], sums[1] / sums[4], sums[2] / sums[4], sums[3] / sums[4]};
+    };
+    for (std::size_t y = height; y-- > 0;) {
+        for (std::size_t x = width; x-- > 0;) {
+            const std::size_t from = y * width + x;
+            if (counts[from] == 0) continue;
+            const float inverse = 1 / static_cast<float>(counts[from]);
+            for (std::size_t down = 0; down < 3; ++down)
+                for (std::size_t i = 0; i < kValues; ++i) {
+                    const float *shares = &pixels_[from][i][kColumns * down];
+                    float *sums = &rows[down][i][x];
+                    for (std::size_t k = 0; k < kColumns; ++k) sums[k] += shares[k] * inverse;
+                }
+        }
+        if (y + 1 < height) take(rows[2], y + 1);
+        std::rotate(rows.begin(), rows.begin() + 2, rows.end());
+        for (Row &sums : rows[0]) std::fill(sums.begin(), sums.end(), 0.0F);
+    }
+    take(rows[2], 0);
+    return colours;
 }
 
 void SharedSums::copy(const SharedSums &from, const Window &part) {

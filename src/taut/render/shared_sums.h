@@ -24,9 +24,8 @@ class SharedSums {
 
     void add(int x, int y, const SharedSample &sample, const Vec3 &radiance, float alpha);
     [[nodiscard]] const Shares &at(int x, int y) const { return pixels_[pixelAt(x, y)]; }
-    /// A pixel's R, G, B, A: the mean of all that is given to it, by the weights that there are. `counts`: samples of the window's pixels,
-    /// row by row.
-    [[nodiscard]] std::array<float, 4> resolve(int x, int y, std::span<const std::uint32_t> counts) const;
+    /// R, G, B, A of all pixels, row by row: means of all that is given to each, by the weights that there are. `counts`: their samples.
+    [[nodiscard]] std::vector<std::array<float, 4>> resolve(std::span<const std::uint32_t> counts) const;
     /// Takes over the pixels of a part, which both have.
     void copy(const SharedSums &from, const Window &part);
 

@@ -13,7 +13,7 @@ bool isFinite(const DMat4 &m) {
     return true;
 }
 bool areFinite(const std::vector<float> &values) {
-    return std::all_of(values.begin(), values.end(), [](float value) { return std::isfinite(value); });
+    return firstWhere(values.size(), [&](std::size_t i) { return !std::isfinite(values[i]); }) == values.size();
 }
 
 void checkNode(const Part &part, const Rig &rig, Index n) {

@@ -46,14 +46,21 @@ inline void checkOptionalIndex(const Part &part, std::string_view member, Index 
 void checkKeys(const Part &part, std::string_view member, const Keyed<double> &keyed, const Range &range, double unit = 1);
 void checkKeys(const Part &part, std::string_view member, const Keyed<DVec3> &keyed, const Range &range = kAnyNumber, double unit = 1);
 
-/// The first of [0, count) for which bad(i) holds, else `count`; in parallel.
+/// The first of [0, count) for which bad(i) holds, else `count`; in parallel. Nearly always there is none: a chunk is asked without a
+/// branch, as vectors can, and searched only where it has one.
 template <class F> std::size_t firstWhere(std::size_t count, const F &bad) {
-    constexpr std::size_t kGrain = 16384;
+    constexpr std::size_t kChunk = 4096;
     std::atomic<std::size_t> first{count};
-    parallelFor(count, kGrain, [&](std::size_t i) {
-        if (!bad(i)) return;
+    parallelFor((count + kChunk - 1) / kChunk, 4, [&](std::size_t chunk) {
+        const std::size_t begin = chunk * kChunk;
+        const std::size_t end = std::min(count, begin + kChunk);
+        bool any = false;
+        for (std::size_t i = begin; i < end; ++i) any |= bad(i);
+        if (!any) return;
+        std::size_t at = begin;
+        while (!bad(at)) ++at;
         std::size_t least = first;
-        while (i < least && !first.compare_exchange_weak(least, i)) {}
+        while (at < least && !first.compare_exchange_weak(least, at)) {}
     });
     return first;
 }
