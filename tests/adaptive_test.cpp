@@ -125,6 +125,20 @@ TEST_CASE("adaptive: each colour's guide has the next colour, on a ring of nine"
     CHECK(colours.size() == BlockGrid::kColours);
 }
 
+TEST_CASE("adaptive: followers of a colour are those around it whose colours are next on the ring", "[adaptive]") {
+    for (int row = 3; row < 6; ++row)
+        for (int column = 3; column < 6; ++column)
+            for (const int reach : {1, 2, 6, 8}) {
+                const int colour = BlockGrid::colourAt(column, row);
+                const std::vector<BlockGrid::Neighbour> ways = BlockGrid::followers(colour, reach, 4);
+                CHECK(ways.size() == static_cast<std::size_t>(9 * reach)); // 9 x 9 blocks hold each colour nine times
+                for (const auto &[dx, dy] : ways) {
+                    const int steps = (BlockGrid::colourAt(column + dx, row + dy) - colour + BlockGrid::kColours) % BlockGrid::kColours;
+                    CHECK((steps >= 1 && steps <= reach));
+                }
+            }
+}
+
 TEST_CASE("adaptive: the noise of a block is the variance of its pixels' means", "[adaptive]") {
     std::mt19937 engine(3);
     std::normal_distribution<double> normal(2, 0.5);

@@ -24,6 +24,19 @@ Light quadAbove(float height, float side, float radiance) {
     return {Vec3(radiance), QuadLight{DVec3(-side / 2, side / 2, height), DVec3(side, 0, 0), DVec3(0, -side, 0)}}; // facing down
 }
 
+/// A map of the sky of which one half is bright, the other black.
+Environment halfBright(int columns) {
+    Environment sky;
+    sky.constant = false;
+    sky.width = columns;
+    sky.height = columns / 2;
+    sky.texels.clear();
+    for (int row = 0; row < sky.height; ++row)
+        for (int column = 0; column < columns; ++column) sky.texels.emplace_back(column < columns / 2 ? 1.0F : 0.0F);
+    buildSampling(sky);
+    return sky;
+}
+
 /// A metal plate under a small lamp, a sky or both.
 Scene plateUnder(float alpha, float lamp, float sky) {
     Scene scene = smallScene(makeObject(makeGrid(8, 8, 1.6F)), ggxMaterial(alpha, alpha), 24);
@@ -65,11 +78,8 @@ TEST_CASE("Coverage is the share of the hemisphere that lights fill", "[plan][no
     scene.environment = constantEnvironment(Vec3(0.3F));
     CHECK(lightCoverage(lightsOf(scene, 1), pointBox(Vec3(0)), 0) == Approx(1));
     // Half of the sphere bright, the other black.
-    scene.environment->constant = false;
-    scene.environment->width = 2;
-    scene.environment->height = 1;
-    scene.environment->texels = {Vec3(1), Vec3(0)};
-    CHECK(lightCoverage(lightsOf(scene, 1), pointBox(Vec3(0)), 0) == Approx(0.5));
+    scene.environment = halfBright(64);
+    CHECK(lightCoverage(lightsOf(scene, 1), pointBox(Vec3(0)), 0) == Approx(0.5).epsilon(0.03)); // bilinear at two edges
     // A lamp alone, from far: its solid angle over the hemisphere's; one that looks away lights nothing.
     scene.environment.reset();
     scene.lights = {quadAbove(10, 0.5F, 7)};
@@ -146,4 +156,39 @@ TEST_CASE("The default plan errs no more than the better of single scattering an
             INFO(name << " at " << spp);
             CHECK((model == Multiscatter::Off ? single : walked) <= 1.15 * std::min(single, walked) + 1e-6);
         }
+}
+
+TEST_CASE("Reflections lose no samples to the horizon where the sky alone brings less noise than that", "[plan][noise]") {
+    Scene scene = plateUnder(0.3F, 0, 1);
+    const float even = defaultPlan(scene).bearableWaste;
+    CHECK(even < 0.01F);
+    CHECK(fullPlan(scene).bearableWaste == even);
+    scene.environment = halfBright(64);
+    CHECK(defaultPlan(scene).bearableWaste == Approx(0.5 * kBearableWaste).epsilon(0.05));
+    scene = plateUnder(0.3F, 5, 1);
+    CHECK(defaultPlan(scene).bearableWaste == kBearableWaste);
+    scene.lights.clear();
+    scene.objects[0].emission.value = Vec3(1);
+    CHECK(defaultPlan(scene).bearableWaste == kBearableWaste);
+}
+
+TEST_CASE("Under an even sky the sampler that loses nothing leaves less than half of the variance", "[plan][noise]") {
+    Scene scene = plateUnder(0.3F, 0, 1);
+    scene.materials[0].multiscatter = Multiscatter::Off;
+    const auto varianceOf = [&](float waste) {
+        ScenePlan plan = defaultPlan(scene);
+        plan.bearableWaste = waste;
+        double variance = 0;
+        for (std::uint32_t seed = 1; seed <= 8; seed += 2) {
+            const std::vector<float> a = chart::renderImage(scene, plan, 1, 4, seed).values;
+            const std::vector<float> b = chart::renderImage(scene, plan, 1, 4, seed + 1).values;
+            for (std::size_t i = 0; i < a.size(); ++i) variance += sqr(static_cast<double>(a[i]) - static_cast<double>(b[i]));
+        }
+        return variance;
+    };
+    const double planned = varianceOf(defaultPlan(scene).bearableWaste);
+    const double caps = varianceOf(1);
+    INFO(planned / caps);
+    CHECK(planned > 0);
+    CHECK(planned < 0.5 * caps);
 }

@@ -4,10 +4,12 @@
 #include "render_fixtures.h"
 
 #include "taut/render/pixel_filter.h"
+#include "taut/render/shared_sums.h"
 
 #include <tbb/global_control.h>
 
 #include <functional>
+#include <random>
 #include <sstream>
 
 using namespace taut;
@@ -133,6 +135,40 @@ TEST_CASE("shared samples: the mean is the picture without, the variance less th
     // And with points that stratify each other, too.
     CHECK(meanSquare(picture(ready, true, 16, 1), picture(ready, true, 16, 2)) <
           0.6 * meanSquare(picture(ready, false, 16, 1), picture(ready, false, 16, 2)));
+}
+
+TEST_CASE("shared samples: a pixel is the mean of what the nine around it give, by weights", "[shared-samples]") {
+    const Window window{3, 5, 8, 9};
+    const auto pixels = static_cast<std::size_t>(window.width() * window.height());
+    SharedSums sums(window);
+    std::vector<std::uint32_t> counts(pixels);
+    std::vector<std::array<double, 5>> expected(pixels);
+    std::mt19937 engine(4);
+    std::uniform_real_distribution<float> uniform(0, 1);
+    const auto indexOf = [&](int x, int y) { return static_cast<std::size_t>((y - window.y0) * window.width() + x - window.x0); };
+    for (int y = window.y0; y < window.y1; ++y)
+        for (int x = window.x0; x < window.x1; ++x) {
+            const std::uint32_t count = engine() % 4; // some give nothing
+            counts[indexOf(x, y)] = count;
+            for (std::uint32_t k = 0; k < count; ++k) {
+                const SharedSample sample = sharedSample(window, x, y, {uniform(engine), uniform(engine)});
+                const std::array<float, 5> values{uniform(engine), uniform(engine), uniform(engine), uniform(engine), 1};
+                sums.add(x, y, sample, {values[0], values[1], values[2]}, values[3]);
+                for (int dy = -1; dy <= 1; ++dy)
+                    for (int dx = -1; dx <= 1; ++dx) {
+                        if (x + dx < window.x0 || x + dx >= window.x1 || y + dy < window.y0 || y + dy >= window.y1) continue;
+                        const double weight = static_cast<double>(sample.across[static_cast<std::size_t>(dx + 1)]) *
+                                              static_cast<double>(sample.down[static_cast<std::size_t>(dy + 1)]) / count;
+                        for (std::size_t i = 0; i < 5; ++i) expected[indexOf(x + dx, y + dy)][i] += weight * static_cast<double>(values[i]);
+                    }
+            }
+        }
+    const std::vector<std::array<float, 4>> found = sums.resolve(counts);
+    REQUIRE(found.size() == pixels);
+    for (std::size_t p = 0; p < pixels; ++p)
+        for (std::size_t i = 0; i < 4; ++i)
+            CHECK(static_cast<double>(found[p][i]) ==
+                  Approx(expected[p][4] > 0 ? expected[p][i] / expected[p][4] : 0).epsilon(1e-5).margin(1e-6));
 }
 
 TEST_CASE("shared samples: even light is even from the first sample on, where there is nothing it is nothing", "[shared-samples]") {

@@ -121,8 +121,10 @@ nlohmann::json toJson(const Report &report) {
                                     {"noise_of_a_sample", f.noise},
                                     {"rays_a_sample", f.rays}});
     if (plan.events) result["events"] = toJson(*plan.events);
+    if (plan.motion) result["motion_steps"] = toJson(*plan.motion);
     if (plan.budget)
-        result["budget"] = {{"error", plan.budget->error}, {"bias", plan.budget->bias}, {"noise", plan.budget->noise}, {"samples", plan.budget->samples}};
+        result["budget"] = {
+            {"error", plan.budget->error}, {"bias", plan.budget->bias}, {"noise", plan.budget->noise}, {"samples", plan.budget->samples}};
     for (const SceneFile &file : scene.files) result["files"].push_back(toJson(file));
     for (std::size_t i = 0; i < scene.materials.size(); ++i) {
         const MultiscatterPlan &planned = plan.materials[i];

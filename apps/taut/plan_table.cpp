@@ -50,15 +50,16 @@ std::string row(const std::string &whose, const Question &q, const JobCounts &co
         const Choice &dearer = q.choices[q.taken + 1];
         next = fmt::format("{}: error {:.2g}, {} more", nameOf(dearer.value), dearer.error, text(less(dearer)));
     }
-    return fmt::format("  {:<16.16} {:<14} {:<16.16} {:>8.2g} {:>9} {:>9}  {}\n", whose, nameOf(q), nameOf(taken.value), taken.error, text(time),
-                       q.taken + 1 < q.choices.size() ? text(less(q.choices.back())) : "-", next);
+    return fmt::format("  {:<16.16} {:<14} {:<16.16} {:>8.2g} {:>9} {:>9}  {}\n", whose, nameOf(q), nameOf(taken.value), taken.error,
+                       text(time), q.taken + 1 < q.choices.size() ? text(less(q.choices.back())) : "-", next);
 }
 
 } // namespace
 
 std::string planTable(const Scene &scene, const ScenePlan &plan) {
     const JobCounts counts(scene, plan);
-    std::string text = fmt::format("  {:<16} {:<14} {:<16} {:>8} {:>9} {:>9}  {}\n", "of", "question", "taken", "error", "time", "saves", "next step");
+    std::string text =
+        fmt::format("  {:<16} {:<14} {:<16} {:>8} {:>9} {:>9}  {}\n", "of", "question", "taken", "error", "time", "saves", "next step");
     const std::size_t head = text.size();
     for (std::size_t i = 0; i < plan.meshes.size(); ++i)
         for (const Question &q : plan.meshes[i].questions)
@@ -68,6 +69,7 @@ std::string planTable(const Scene &scene, const ScenePlan &plan) {
         if (plan.details[i].question) text += row(scene.materials[i].name, *plan.details[i].question, counts);
     }
     if (plan.events) text += row("paths", *plan.events, counts);
+    if (plan.motion) text += row("the shutter", *plan.motion, counts);
     if (text.size() == head) return "";
     return text;
 }
@@ -75,14 +77,16 @@ std::string planTable(const Scene &scene, const ScenePlan &plan) {
 std::string pilotLines(const ScenePlan &plan) {
     std::string text;
     for (const PilotFinding &f : plan.pilots)
-        text += fmt::format("  pilot: {}: error {:.2g} +- {:.1g}{}, noise of a sample {:.2g}, {:.3g} rays a sample\n", nameOf(f.value), f.error,
-                            f.spread, f.predicted > 0 ? fmt::format(" (analysis: {:.2g})", f.predicted) : "", f.noise, f.rays);
+        text += fmt::format("  pilot: {}: error {:.2g} +- {:.1g}{}, noise of a sample {:.2g}, {:.3g} rays a sample\n", nameOf(f.value),
+                            f.error, f.spread, f.predicted > 0 ? fmt::format(" (analysis: {:.2g})", f.predicted) : "", f.noise, f.rays);
     if (!plan.budget) return text;
     const ErrorBudget &b = *plan.budget;
     const auto share = [&](float part) { return 100 * part * part / (b.error * b.error); };
-    return text + fmt::format("budget: error {:.3g}; of its square {:.0f} % for bias ({:.2g}{}), {:.0f} % for noise ({:.3g}{}), the rest in reserve\n",
-                              b.error, share(b.bias), b.bias, plan.pilots.empty() ? ", a bound" : ", by pilots", share(b.noise), b.noise,
-                              b.samples > 0 ? fmt::format(", about {:.3g} samples a pixel", b.samples) : "");
+    return text +
+           fmt::format(
+               "budget: error {:.3g}; of its square {:.0f} % for bias ({:.2g}{}), {:.0f} % for noise ({:.3g}{}), the rest in reserve\n",
+               b.error, share(b.bias), b.bias, plan.pilots.empty() ? ", a bound" : ", by pilots", share(b.noise), b.noise,
+               b.samples > 0 ? fmt::format(", about {:.3g} samples a pixel", b.samples) : "");
 }
 
 } // namespace taut::app

@@ -34,7 +34,7 @@ RenderedImage renderImage(const Scene &scene, ScenePlan plan, double frame, int 
 }
 
 bool sameModels(const ScenePlan &a, const ScenePlan &b) {
-    if (a.bearableWaste != b.bearableWaste) return false;
+    if (a.bearableWaste != b.bearableWaste || a.motionSteps != b.motionSteps) return false;
     for (std::size_t i = 0; i < a.meshes.size(); ++i) {
         const MeshPlan &x = a.meshes[i];
         const MeshPlan &y = b.meshes[i];

@@ -141,14 +141,15 @@ bool LiveScene::settle() {
     PlannedScene planned = planFor(ready_->scene(), model_);
     const ScenePlan &now = ready_->plan();
     ScenePlan &then = planned.plan;
-    if (!areSame(now.meshes, then.meshes) || now.maxEvents != then.maxEvents) {
+    if (!areSame(now.meshes, then.meshes) || now.maxEvents != then.maxEvents || now.motionSteps != then.motionSteps) {
         const bool animated = ready_->scene().render.frames.size() > 1;
         auto anew = std::make_unique<RenderScene>(ready_->scene(), std::move(then), animated, std::move(planned.surfaces));
         ready_ = std::move(anew); // the old scene's objects are what the surfaces referred to until now
         ++built_;
         return true;
     }
-    const bool same = areSame(now.materials, then.materials) && isSameDetail(now.details, then.details) && now.bearableWaste == then.bearableWaste;
+    const bool same =
+        areSame(now.materials, then.materials) && isSameDetail(now.details, then.details) && now.bearableWaste == then.bearableWaste;
     ready_->setMaterialPlans(std::move(then.materials), std::move(then.details), then.bearableWaste);
     return !same;
 }

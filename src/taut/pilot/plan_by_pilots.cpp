@@ -3,6 +3,7 @@
 #include "taut/base/sobol.h"
 #include "taut/pilot/foreseen_time.h"
 #include "taut/pilot/pilot_picture.h"
+#include "taut/plan/asked_questions.h"
 #include "taut/plan/mesh_questions.h"
 #include "taut/render/frame_render.h"
 #include "taut/render/pixel_filter.h"
@@ -41,35 +42,10 @@ constexpr float kShareByBounds = 0.3F;
 /// Share of the asked error that is aimed at; the rest is for what is not known of the noise before the end.
 constexpr double kAim = 0.96;
 constexpr std::array<int, 2> kEventLimits{2, 4};
+constexpr int kFewestSteps = 2; // within a shutter
 /// Share of the rays that a limit of events must save: where pilots see hardly any path that is longer, they don't see its light either,
 /// which may be rare and bright.
 constexpr float kLeastRaysSaved = 0.05F;
-
-/// Greatest error that the analysis predicts for a value, over all of a plan's questions of its kind; meshes and materials add in squares.
-double predictedFor(const ScenePlan &plan, const ChoiceValue &value) {
-    double squares = 0;
-    const auto add = [&](const std::optional<Question> &question) {
-        if (!question || question->choices.front().value.index() != value.index()) return;
-        for (const Choice &choice : question->choices)
-            if (choice.value == value) squares += sqr(static_cast<double>(choice.error));
-    };
-    for (const MeshPlan &mesh : plan.meshes)
-        for (const Question &question : mesh.questions) add(question);
-    for (const MultiscatterPlan &material : plan.materials) add(material.question);
-    for (const DetailPlan &detail : plan.details) add(detail.question);
-    return std::sqrt(squares);
-}
-
-/// Whether any question of a plan has this among its choices.
-bool isAsked(const ScenePlan &plan, const ChoiceValue &value) {
-    const auto has = [&](const Question &question) {
-        return std::any_of(question.choices.begin(), question.choices.end(), [&](const Choice &choice) { return choice.value == value; });
-    };
-    const auto asks = [&](const auto &part) { return part.question && has(*part.question); };
-    return std::any_of(plan.meshes.begin(), plan.meshes.end(),
-                       [&](const MeshPlan &mesh) { return std::any_of(mesh.questions.begin(), mesh.questions.end(), has); }) ||
-           std::any_of(plan.materials.begin(), plan.materials.end(), asks) || std::any_of(plan.details.begin(), plan.details.end(), asks);
-}
 
 class PilotedPlan {
   public:
@@ -81,11 +57,11 @@ class PilotedPlan {
         const bool measures = wanted && !options_.full && affords();
         if (measures) measureAll();
         ScenePlan plan =
-            options_.error && !options_.full ? cheapestWithin(*options_.error) : withEvents(planner_.decide(scales_, options_.tolerance));
+            options_.error && !options_.full ? cheapestWithin(*options_.error) : withLimits(planner_.decide(scales_, options_.tolerance));
         if (options_.error && measures) {
             verify(plan);
             if (static_cast<double>(plan.predictedError) > kGreatestBias * static_cast<double>(*options_.error)) {
-                plan = withEvents(planner_.decide(scales_, kShares.front() * *options_.error));
+                plan = withLimits(planner_.decide(scales_, kShares.front() * *options_.error));
                 verify(plan);
             }
         }
@@ -131,6 +107,10 @@ class PilotedPlan {
         for (const ChoiceValue &value : std::vector<ChoiceValue>{Multiscatter::Off, Multiscatter::Auto, TextureDetail::Moments})
             variants += isAsked(asked_, value) ? 1 : 0;
         variants += asksForEvents() ? static_cast<int>(kEventLimits.size()) : 0;
+        if (asksForMotion()) {
+            spent += time_.build(levels(base));
+            ++variants;
+        }
         const double left = affordable() - spent;
         const double window = time_.samples(2.0 * kSamples * kPilotWindow * kPilotWindow * variants);
         const int count = static_cast<int>(std::min<double>(kWindows, left / window));
@@ -141,6 +121,10 @@ class PilotedPlan {
 
     [[nodiscard]] bool asksForEvents() const {
         return (options_.error || options_.tolerance) && scene_.render.maxEvents > kEventLimits.front();
+    }
+
+    [[nodiscard]] bool asksForMotion() const {
+        return (options_.error || options_.tolerance) && scene_.render.shutter > 0 && scene_.render.motionSteps > kFewestSteps;
     }
 
     [[nodiscard]] Scene copyOfScene() const {
@@ -193,6 +177,7 @@ class PilotedPlan {
         note(base > 0 ? ChoiceValue(SubdivisionLevel{base}) : ChoiceValue(Multiscatter::Walk), reference_);
         measureMaterials(*full_);
         measureEvents(*full_);
+        measureMotion(base);
         if (base == 0) return; // what is built serves to verify a plan that changes no mesh
         full_.reset();
         measureLevels(base);
@@ -234,6 +219,21 @@ class PilotedPlan {
         events_ = std::move(question);
     }
 
+    /// Lines instead of a path: the error falls to a fourth where there are twice as many.
+    void measureMotion(int base) {
+        if (!asksForMotion()) return;
+        ScenePlan plan = fullAt(levels(base));
+        plan.motionSteps = kFewestSteps;
+        RenderScene ready(copyOfScene(), std::move(plan), false);
+        ready.setFrame(planner_.hardestFrame());
+        auto error = static_cast<float>(note(MotionSteps{kFewestSteps}, picture(ready)));
+        Question question;
+        for (int steps = kFewestSteps; steps < scene_.render.motionSteps; steps = 2 * steps - 1, error /= 4)
+            question.choices.push_back({MotionSteps{steps}, error, static_cast<float>(steps), 0, {}});
+        question.choices.push_back({MotionSteps{scene_.render.motionSteps}, 0, static_cast<float>(scene_.render.motionSteps), 0, {}});
+        motion_ = std::move(question);
+    }
+
     /// Errors c r^-level, one way in every pixel: the differences of levels 1 and 2 from 3 are as r + 1 to 1.
     void measureLevels(int base) {
         std::vector<double> errors;
@@ -251,17 +251,23 @@ class PilotedPlan {
         if (base - 1 < kProbeLevel) scales_.subdivision *= 4 / ratio; // what is known is the error at level 1
     }
 
-    [[nodiscard]] ScenePlan withEvents(ScenePlan plan) const {
-        if (!events_) return plan;
-        Question question = *events_;
-        float left = std::max(0.0F, plan.tolerance - plan.predictedError);
-        take(question, left);
-        const int limit = question.answer<EventLimit>().events;
-        plan.maxEvents = limit < scene_.render.maxEvents ? limit : 0;
-        plan.predictedError += question.choices[question.taken].error;
-        plan.events = std::move(question);
+    /// With no more events and times within the shutter than its tolerance leaves room for.
+    [[nodiscard]] ScenePlan withLimits(ScenePlan plan) const {
+        const auto answer = [&](const std::optional<Question> &asked, std::optional<Question> &answered) {
+            answered = asked;
+            if (!asked) return;
+            float left = std::max(0.0F, plan.tolerance - plan.predictedError);
+            take(*answered, left);
+            plan.predictedError += answered->choices[answered->taken].error;
+        };
+        answer(events_, plan.events);
+        if (plan.events) plan.maxEvents = fewer(plan.events->answer<EventLimit>().events, scene_.render.maxEvents);
+        answer(motion_, plan.motion);
+        if (plan.motion) plan.motionSteps = fewer(plan.motion->answer<MotionSteps>().steps, scene_.render.motionSteps);
         return plan;
     }
+    /// 0 where a limit is none.
+    static int fewer(int limit, int most) { return limit < most ? limit : 0; }
 
     [[nodiscard]] const PilotFinding *findingOf(const ChoiceValue &value) const {
         const auto found = std::find_if(findings_.begin(), findings_.end(), [&](const PilotFinding &f) { return f.value == value; });
@@ -303,7 +309,10 @@ class PilotedPlan {
         for (const MeshPlan &mesh : plan.meshes) chosen.push_back(mesh.subdivisionLevel);
         const double frames = static_cast<double>(scene_.render.frames.size());
         const double pixels = static_cast<double>(scene_.render.width) * scene_.render.height;
-        return time_.build(chosen) + frames * (time_.update(chosen) + time_.rays(pixels * samplesFor(sampling, noise) * sampling.rays));
+        const bool blurs = scene_.render.shutter > 0;
+        const double times = !blurs ? 1 : plan.motionSteps > 0 ? plan.motionSteps : scene_.render.motionSteps;
+        return time_.build(chosen) +
+               frames * (times * time_.update(chosen) + time_.rays(pixels * samplesFor(sampling, noise) * sampling.rays));
     }
 
     /// The share of the error that models may have for which all takes least time.
@@ -311,7 +320,7 @@ class PilotedPlan {
         if (findings_.empty()) return planner_.decide(scales_, kShareByBounds * error);
         std::optional<ScenePlan> best;
         for (const float share : kShares) {
-            ScenePlan plan = withEvents(planner_.decide(scales_, share * error));
+            ScenePlan plan = withLimits(planner_.decide(scales_, share * error));
             if (!best || secondsOf(plan, error) < 0.98 * secondsOf(*best, error)) best = std::move(plan);
         }
         return std::move(*best);
@@ -323,7 +332,7 @@ class PilotedPlan {
             return a.stretch == b.stretch && a.estimator == b.estimator && a.interpolation == b.interpolation &&
                    a.subdivisionLevel == b.subdivisionLevel;
         };
-        if (full_ && std::equal(plan.meshes.begin(), plan.meshes.end(), full.meshes.begin(), isFull)) {
+        if (full_ && plan.motionSteps == 0 && std::equal(plan.meshes.begin(), plan.meshes.end(), full.meshes.begin(), isFull)) {
             full_->setMaterialPlans(plan.materials, plan.details, plan.bearableWaste);
             full_->setFrame(planner_.hardestFrame());
             return picture(*full_, plan.maxEvents);
@@ -377,7 +386,7 @@ class PilotedPlan {
     std::unique_ptr<RenderScene> full_; // where no levels are to be measured
     PilotPicture reference_;
     PlanScales scales_;
-    std::optional<Question> events_;
+    std::optional<Question> events_, motion_;
     std::vector<PilotFinding> findings_; // the reference first
 };
 

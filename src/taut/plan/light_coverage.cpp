@@ -1,5 +1,6 @@
 #include "taut/plan/light_coverage.h"
 
+#include "taut/bsdf/bsdf_types.h"
 #include "taut/mesh/topology.h"
 #include "taut/scene/object_motion.h"
 
@@ -12,6 +13,8 @@ namespace taut {
 namespace {
 
 constexpr float kHemisphere = 2 * kPi;
+/// Rejected samples that never pay for the cone: other noise, of edges and textures, is more.
+constexpr float kLeastWaste = 0.005F;
 
 SeenLight seenFrom(const Vec3 &point, const PlacedLight &light) {
     const LightOutline &outline = light.outline;
@@ -28,19 +31,8 @@ SeenLight seenFrom(const Vec3 &point, const PlacedLight &light) {
 
 /// The radiance of the sky over the hemisphere, and how unevenly it is spread.
 SeenLight skyLight(const Environment &sky) {
-    double weights = 0;
-    double sum = 0;
-    double squares = 0;
-    for (std::size_t i = 0; i < sky.texels.size(); ++i) {
-        const double turn = (static_cast<double>(i / static_cast<std::size_t>(sky.width)) + 0.5) / (2 * sky.height);
-        const double weight = std::sin(2 * static_cast<double>(kPi) * turn);
-        const auto value = static_cast<double>(luminance(sky.texels[i]));
-        weights += weight;
-        sum += weight * value;
-        squares += weight * value * value;
-    }
-    if (!(sum > 0)) return {};
-    return {kHemisphere * static_cast<float>(sum / weights), kHemisphere * static_cast<float>(sum * sum / (weights * squares))};
+    const float mean = luminance(sky.mean);
+    return mean > 0 ? SeenLight{kHemisphere * mean, kHemisphere * sky.coverage} : SeenLight{};
 }
 
 /// The greatest luminance that a material slot of an object emits.
@@ -87,6 +79,11 @@ SceneLights lightsOf(const Scene &scene, double frame) {
         if (!box.empty()) lights.placed.push_back({{box.centre(), 0.5F * box.diagonal(), Vec3(0), 0}, strongest(object)});
     }
     return lights;
+}
+
+float bearableWasteUnder(const Scene &scene) {
+    const bool isSkyAlone = scene.environment && scene.lights.empty() && std::none_of(scene.objects.begin(), scene.objects.end(), emits);
+    return isSkyAlone ? std::max(kLeastWaste, kBearableWaste * (1 - scene.environment->coverage)) : kBearableWaste;
 }
 
 float lightCoverage(const SceneLights &lights, const Bounds &box, float blur) {

@@ -35,6 +35,12 @@ SceneLights lightsOf(const Scene &scene, double frame);
 /// Coverage from inside a box: at its middle and at its points nearest to each light, the greatest. Nothing hides a light.
 float lightCoverage(const SceneLights &lights, const Bounds &box, float blur);
 
+/// Share of the samples of reflections that may be lost to the horizon (ReflectionSampler). Losing a share w of them makes of a relative
+/// variance V, of the light that they meet, (V + w) / (1 - w); not losing them takes r times as long. So it pays off from
+/// w = (r - 1) V / (1 + V) on, where V / (1 + V) = 1 - coverage: under an even sky nearly always, under a lamp as from kBearableWaste on.
+/// Asked under a sky alone.
+float bearableWasteUnder(const Scene &scene);
+
 /// An object's control points at a frame, world space.
 Bounds worldBounds(const Object &object, double frame, double fps);
 

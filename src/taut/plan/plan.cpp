@@ -195,6 +195,7 @@ ScenePlan defaultOf(const Scene &scene) {
         plan.meshes.push_back(std::move(mesh));
     }
     plan.materials.resize(scene.materials.size());
+    plan.bearableWaste = bearableWasteUnder(scene);
     for (const Material &material : scene.materials)
         plan.details.push_back({material.detail == TextureDetail::Moments ? TextureDetail::Moments : TextureDetail::Map, 0, {}});
     plan.bvh = chooseBvh(scene, levelsOf(plan));

@@ -76,6 +76,8 @@ struct ScenePlan {
     float bearableWaste = kBearableWaste;    ///< of the sampler of reflections
     int maxEvents = 0;                       ///< scattering events on a path, where fewer than the scene's do; 0: the scene's
     std::optional<Question> events;          ///< how it came to that
+    int motionSteps = 0;                     ///< times within the shutter, where fewer than the scene's do; 0: the scene's
+    std::optional<Question> motion;          ///< how it came to that
     BvhKind bvh = BvhKind::Rebuild;          ///< of what deforms, where more than one frame is asked for
     std::vector<PilotFinding> pilots;        ///< none: predictions are the analysis's
     std::optional<ErrorBudget> budget;       ///< where an error is asked for

@@ -42,6 +42,7 @@ constexpr std::array<QuestionNames, std::variant_size_v<ChoiceValue>> kQuestions
     {"bvh", "ms a frame, slower rays included"},
     {"texture detail", "samples for equal noise"},
     {"events", "rays a sample"},
+    {"motion steps", "evaluations a frame"},
 }};
 
 const QuestionNames &namesOf(const Question &question) {
@@ -51,6 +52,7 @@ const QuestionNames &namesOf(const Question &question) {
 std::string printed(const ChoiceValue &value, std::string_view ValueNames::*name) {
     if (const auto *level = std::get_if<SubdivisionLevel>(&value)) return "level " + std::to_string(level->level);
     if (const auto *limit = std::get_if<EventLimit>(&value)) return "at most " + std::to_string(limit->events);
+    if (const auto *motion = std::get_if<MotionSteps>(&value)) return std::to_string(motion->steps) + " times";
     if (const auto *estimator = std::get_if<GradientEstimator>(&value)) return nameOf(*estimator);
     if (const auto *interpolation = std::get_if<GradientInterpolation>(&value)) return nameOf(*interpolation);
     const auto *found = std::find_if(std::begin(kValues), std::end(kValues), [&](const ValueNames &v) { return v.value == value; });

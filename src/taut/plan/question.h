@@ -31,6 +31,12 @@ struct EventLimit {
     bool operator==(const EventLimit &) const = default;
 };
 
+/// At how many times within the shutter what moves is evaluated.
+struct MotionSteps {
+    int steps = 0;
+    bool operator==(const MotionSteps &) const = default;
+};
+
 /// What a frame does to the BVHs of the meshes that deform.
 enum class BvhKind {
     Refit,   ///< BVHs that can be refitted; built anew in the frames where that costs less (bvh_policy.h)
@@ -38,8 +44,8 @@ enum class BvhKind {
 };
 
 /// The kind of value says which question it answers.
-using ChoiceValue =
-    std::variant<SubdivisionLevel, StretchModel, GradientInterpolation, GradientEstimator, Multiscatter, BvhKind, TextureDetail, EventLimit>;
+using ChoiceValue = std::variant<SubdivisionLevel, StretchModel, GradientInterpolation, GradientEstimator, Multiscatter, BvhKind,
+                                 TextureDetail, EventLimit, MotionSteps>;
 
 /// One way to do something, with what it is predicted to lose and to cost.
 struct Choice {
@@ -64,7 +70,7 @@ void scaleErrors(Question &question, float factor);
 /// Takes the cheapest choice whose error fits into what is left, and spends it. The last choice is the model itself, without error.
 void take(Question &question, float &left);
 
-/// "subdivision", "stretch", "interpolation", "gradient", "multiscatter", "bvh", "texture detail" or "events".
+/// "subdivision", "stretch", "interpolation", "gradient", "multiscatter", "bvh", "texture detail", "events" or "motion steps".
 std::string_view nameOf(const Question &question);
 /// The unit of its costs: "ns a hit", "ns a vertex" (and frame), ...
 std::string_view unitOf(const Question &question);

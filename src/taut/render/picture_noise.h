@@ -70,6 +70,8 @@ class PictureNoise {
     /// Steps on the ring of each decision: the first goes part of the way to the numbers that seem right, the second to them, the others
     /// do what is missing still.
     static constexpr std::array<int, 4> kReach{2, 6, 0, 0};
+    /// The least that the variance may be of what halves tell.
+    static constexpr double kLeastFactor = 0.2;
 
     /// Samples the pixels of `window` until the noise of the picture is `level`, or `most` samples a pixel are reached. `first`: samples of
     /// the first pass, at least 2. `seed`: of the drawing of controls.

@@ -84,7 +84,7 @@ void RenderScene::prepare(bool animated, std::vector<ObjectSurface> surfaces) {
     for (std::size_t i = 0; i < objects_.size(); ++i) {
         const Object &object = scene.objects[i];
         const bool blurred = scene.render.shutter > 0 && moves(object);
-        const std::size_t times = blurred ? static_cast<std::size_t>(scene.render.motionSteps) : 1;
+        const std::size_t times = blurred ? motionSteps() : 1;
         if (i < surfaces.size() && surfaces[i].object != nullptr) {
             static_cast<ObjectSurface &>(objects_[i]) = std::move(surfaces[i]);
             objects_[i].object = &object; // of this scene, no longer of the one that was planned
@@ -96,10 +96,14 @@ void RenderScene::prepare(bool animated, std::vector<ObjectSurface> surfaces) {
     embree_ = std::make_unique<EmbreeScene>(refits_);
 }
 
+std::size_t RenderScene::motionSteps() const {
+    return static_cast<std::size_t>(plan_.motionSteps > 0 ? plan_.motionSteps : scene_.render.motionSteps);
+}
+
 void RenderScene::moveCamera(double frame, const DMat4 &renderFromWorld) {
     cameraSteps_.assign(1, Affine(1));
     if (!(scene_.render.shutter > 0)) return;
-    const auto count = static_cast<std::size_t>(scene_.render.motionSteps);
+    const std::size_t count = motionSteps();
     cameraSteps_.clear();
     for (std::size_t step = 0; step < count; ++step) {
         const CameraState there = cameraAtFrame(scene_.camera, frameOfStep(scene_.render, frame, step, count), scene_.render.fps);
@@ -121,7 +125,8 @@ void RenderScene::addPyramids(Index index) {
     const Material &material = scene_.materials[index];
     const auto charge = [&](const Texture &texture, int channels) { // a pyramid is a third more than its widest level
         if (scene_.budget)
-            scene_.budget->take(4.0 / 3 * sizeof(float) * channels * texture.width * texture.height, texture.name, "the pyramid of its moments");
+            scene_.budget->take(4.0 / 3 * sizeof(float) * channels * texture.width * texture.height, texture.name,
+                                "the pyramid of its moments");
     };
     forEachTexture(material, [&](Index t) {
         Texture &texture = scene_.textures[t];
@@ -259,9 +264,8 @@ bool RenderScene::canMove(Index object, const std::vector<DeformerKeys> &deforme
     Object then = now;
     then.deformers = deformers;
     then.placement = placement;
-    return now.rest.bind && deforms(then) == deforms(now) &&
-           moves(then) == moves(now) && placementRest(placement) == placementRest(now.placement) &&
-           placement.worldFromUp == now.placement.worldFromUp;
+    return now.rest.bind && deforms(then) == deforms(now) && moves(then) == moves(now) &&
+           placementRest(placement) == placementRest(now.placement) && placement.worldFromUp == now.placement.worldFromUp;
 }
 
 void RenderScene::setMotion(Index object, std::vector<DeformerKeys> deformers, Placement placement) {

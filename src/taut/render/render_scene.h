@@ -98,6 +98,7 @@ class RenderScene {
     void askForSurfaces();
     void askForStrains();
     void addPyramids(Index material);
+    [[nodiscard]] std::size_t motionSteps() const;
     void moveCamera(double frame, const DMat4 &renderFromWorld);
 
     Index addInstance(const RenderObject &object);

@@ -104,8 +104,10 @@ std::vector<PreparedMaterial> prepareMaterials(const Scene &scene, const ScenePl
     std::vector<PreparedMaterial> prepared;
     for (Index i = 0; i < std::max<std::size_t>(scene.materials.size(), 1); ++i) {
         const Material &material = scene.materialAt(i);
-        prepared.push_back({&material, coatEscape(material.ior), i < plan.materials.size() ? plan.materials[i] : MultiscatterPlan{},
-                            plan.bearableWaste, extinctionOf(material),
+        const MultiscatterPlan model = i < plan.materials.size() ? plan.materials[i] : MultiscatterPlan{};
+        const float waste =
+            multiscatterOf(material, model.model) == Multiscatter::Walk ? 1 : plan.bearableWaste; // walks draw their facets themselves
+        prepared.push_back({&material, coatEscape(material.ior), model, waste, extinctionOf(material),
                             i < plan.details.size() && plan.details[i].detail == TextureDetail::Moments});
     }
     return prepared;

@@ -100,6 +100,7 @@ Environment readEnvironment(const std::string &path, double rotation, const Vec3
 void buildSampling(Environment &e) {
     e.table.clear();
     e.mean = e.texels[0];
+    e.coverage = 1;
     if (e.constant) return;
     const std::size_t width = static_cast<std::size_t>(e.width);
     std::vector<double> rows(static_cast<std::size_t>(e.height));
@@ -110,19 +111,25 @@ void buildSampling(Environment &e) {
     for (std::size_t row = 0; row <= rows.size(); ++row) // 1 - cos, without cancellation
         e.rowHeight[row] = 2 * sqr(std::sin(kTwoPi / 4 * static_cast<double>(row) / static_cast<double>(rows.size())));
     DVec3 sum(0);
+    double squares = 0; // of luminances
     for (int row = 0; row < e.height; ++row) {
         DVec3 rowSum(0);
+        double rowSquares = 0;
         for (int column = 0; column < e.width; ++column) {
             const Vec3 mean = bilinearMean(e, column, row);
             rowSum += DVec3(mean);
             columns[static_cast<std::size_t>(column)] = std::max(0.0F, luminance(mean));
+            rowSquares += sqr(columns[static_cast<std::size_t>(column)]);
         }
         sum += rowSum * solidAngleOfTexel(e, row);
+        squares += rowSquares * solidAngleOfTexel(e, row);
         const std::ptrdiff_t first = e.height + static_cast<std::ptrdiff_t>(row) * e.width;
         rows[static_cast<std::size_t>(row)] =
             buildCumulative(columns, e.table.data() + first, e.guide.data() + first) * solidAngleOfTexel(e, row);
     }
     e.mean = Vec3(sum / (2 * kTwoPi));
+    if (squares > 0)
+        e.coverage = static_cast<float>(std::min(1.0, sqr(static_cast<double>(luminance(Vec3(sum)))) / (squares * 2 * kTwoPi)));
     if (buildCumulative(rows, e.table.data(), e.guide.data()) > 0) {
         for (int row = 0; row < e.height; ++row)
             e.table[static_cast<std::size_t>(row)].density /= static_cast<float>(solidAngleOfTexel(e, row));

@@ -23,7 +23,8 @@ struct Environment {
     bool cameraVisible = true;
     bool constant = true; ///< one texel: radiance is texels[0] everywhere, sampled uniformly
 
-    Vec3 mean{1}; ///< radiance averaged over the sphere, for choosing between lights
+    Vec3 mean{1};       ///< radiance averaged over the sphere, for choosing between lights
+    float coverage = 1; ///< share of the sphere that is bright: the square of the mean luminance over the mean of its square; 1: even
 
     /// Importance sampling, filled by buildSampling(): inverse cumulative tables by luminance * solid angle, one over the rows and
     /// one over the columns within each row. They keep stratified points stratified, where an alias table would scatter them.
