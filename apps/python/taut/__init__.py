@@ -29,7 +29,9 @@ from . import _checks, _taut, microsurface
 from ._arrays import copies
 from ._gloss import Gloss, VertexGloss, gloss, presets
 from ._image import read_image, write_image
-from ._scene import Refinement, Scene
+from ._picture import Picture
+from ._refinement import Refinement
+from ._scene import Scene
 from ._taut import InputError, RunError
 from ._taut import version as __version__
 
@@ -46,6 +48,7 @@ def limit_threads(threads: int) -> None:
 __all__ = [
     "Gloss",
     "InputError",
+    "Picture",
     "Refinement",
     "RunError",
     "Scene",
