@@ -174,3 +174,16 @@ def test_files_are_seen_as_the_scene_says(file, command, tmp_path):
         taut.write_image(tmp_path / "mine.png", picture, view="filmik")
     with pytest.raises(taut.InputError):
         taut.write_image(tmp_path / "mine.exr", taut.Scene(file).render(2, 1, aovs="crypto_object"), compression="dwaa")
+
+
+def test_relative_error_is_that_of_taut_compare(file, command, tmp_path):
+    scene = taut.Scene(file)
+    pictures = [scene.render(2, seed=seed) for seed in (1, 2)]
+    for name, picture in zip("ab", pictures):
+        taut.write_image(tmp_path / f"{name}.exr", picture)
+    said = json.loads(command("compare", tmp_path / "a.exr", tmp_path / "b.exr", "--box", "4", "--json").stdout)
+    a, b = (picture["rgb"] for picture in pictures)
+    assert taut.relative_error(a, b) == pytest.approx(said["relmse"], rel=1e-5) and said["relmse"] > 0
+    assert taut.relative_error(a, b, box=4) == pytest.approx(said["boxed_relmse"], rel=1e-5)
+    with pytest.raises(taut.InputError, match="reference: found an array of shape"):
+        taut.relative_error(a, b[:5])

@@ -3,6 +3,7 @@
 #include "arrays.h"
 #include "scene_tree.h"
 
+#include "study/measures/image_error.h"
 #include "taut/base/error.h"
 #include "taut/render/image_file.h"
 
@@ -27,6 +28,16 @@ void addImage(py::module_ &module) {
         },
         py::arg("path"), py::arg("pixels").noconvert(), py::arg("channels"), py::arg("metadata"), py::arg("settings"), py::arg("image"),
         py::arg("folder"));
+    module.def(
+        "relative_error",
+        [](const Array<float> &image, const Array<float> &reference, int box) {
+            const auto values = [&](const Array<float> &pixels) {
+                return chart::boxed({pixels.data(), static_cast<std::size_t>(pixels.size())}, static_cast<int>(pixels.shape(1)),
+                                    static_cast<int>(pixels.shape(0)), box);
+            };
+            return chart::relativeMse(values(image), values(reference));
+        },
+        py::arg("image").noconvert(), py::arg("reference").noconvert(), py::arg("box"));
     module.def(
         "read_image",
         [](const std::string &path) {

@@ -10,6 +10,7 @@
     taut.microsurface                           D, G1, G2, evaluate, pdf, sample, weight, albedo, walk, ... any M per row
     taut.Scene("scene.toml")                    a scene from a file, a dict of the scene file's keys, arrays: render, plan, export
     taut.write_image(path, picture), taut.read_image(path)   .exr and .png
+    taut.relative_error(image, reference)       relMSE, as `taut compare` says it
     taut.copies()                               arrays that had to be copied on their way in
     taut.limit_threads(n)                       0: all
 
@@ -28,7 +29,7 @@ Source: "Microsurface Transformations", Computer Graphics Forum 41(4), 2022; doc
 from . import _checks, _taut, microsurface
 from ._arrays import copies
 from ._gloss import Gloss, VertexGloss, gloss, presets
-from ._image import read_image, write_image
+from ._image import read_image, relative_error, write_image
 from ._picture import Picture
 from ._refinement import Refinement
 from ._scene import Scene
@@ -59,5 +60,6 @@ __all__ = [
     "microsurface",
     "presets",
     "read_image",
+    "relative_error",
     "write_image",
 ]
