@@ -99,6 +99,13 @@ TEST_CASE("compare: the command", "[compare][cli]") {
         }
     CHECK(said["relmse"].get<double>() == Approx(chart::relativeMse(rgbA, rgbB)));
     CHECK(said["relmse"] > 0);
+    // Means of 4 x 4 pixels have a sixteenth of the noise.
+    const CommandResult boxed = runTaut({"compare", place.path("a.exr"), place.path("b.exr"), "--json", "--box", "4"});
+    requireSuccess(boxed);
+    const double ofMeans = nlohmann::json::parse(boxed.out)["boxed_relmse"];
+    CHECK(ofMeans == Approx(chart::relativeMse(chart::boxed(rgbA, 24, 16, 4), chart::boxed(rgbB, 24, 16, 4))));
+    CHECK(ofMeans < 0.5 * said["relmse"].get<double>());
+    checkUsageError(runTaut({"compare", place.path("a.exr"), place.path("b.exr"), "--box", "17"}), "at most 16, the images' shorter side");
     CHECK(readImage(place.path("d.png")).width == 24);
     // A PNG is decoded: what eight bits leave of the picture.
     const CommandResult png = runTaut({"compare", place.path("b.png"), place.path("b.exr"), "--json"});

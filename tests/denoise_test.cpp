@@ -359,7 +359,8 @@ TEST_CASE("denoise: the motion of a surface is where its points were", "[denoise
     options.spp = 4;
     options.denoiseBlock = 2;
     options.before = &before;
-    const DenoisePixels p = denoisePixelsOf(renderFrame(ready, options).film);
+    const Film film = renderFrame(ready, options).film;
+    const DenoisePixels p = denoisePixelsOf(film, film.window());
     for (const auto &[x, y] : {std::pair(16, 16), std::pair(16, 4), std::pair(10, 26)}) {
         const auto i = static_cast<std::size_t>(y * 32 + x);
         CHECK(p.moving[i] == 1);

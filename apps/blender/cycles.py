@@ -14,10 +14,9 @@ render: files of `taut export` (.npz of that frame, one an object; each a metal 
 camera and lights of a Taut scene. Of the scene file it reads [render] width height max_events, [camera] position look_at up fov_deg
 (constant), [environment] radiance, [[light]] of type quad and sphere.
 
-compare: relMSE = mean over the pixels that the reference or the image lights, and channels, of
-(image - reference)^2 / (reference^2 + 0.01 mean(reference)^2), also after a 4 x 4 box filter, which noise hardly touches. OUT.png: the
-reference, then for each image the image itself and under it its difference, grey 0.5 + 2 (image - reference) / scale, where scale is
-the 99th percentile of the reference. With materials: the mean colour of each one's pixels as a ratio.
+compare: a picture. OUT.png: the reference, then for each image the image itself and under it its difference, grey
+0.5 + 2 (image - reference) / scale, where scale is the 99th percentile of the reference. With materials: the mean colour of each one's
+pixels as a ratio. Numbers of pictures are those of `taut compare`.
 
 Whatever trades truth for speed is off: no clamps, no blurred gloss, no light threshold, no adaptive sampling, no denoising, no
 Russian roulette. Dictionaries have the keys of a scene file (docs/scene.md).
@@ -337,17 +336,6 @@ def load(path):
     return pixels.reshape(height, width, -1)[..., :3].astype(numpy.float64)
 
 
-def relative_error(image, reference):
-    lit = (reference + image).sum(2) > 0
-    floor = 0.01 * numpy.mean(reference[lit]) ** 2
-    return float(numpy.mean((image[lit] - reference[lit]) ** 2 / (reference[lit] ** 2 + floor)))
-
-
-def box(image, size=4):
-    height, width = image.shape[0] // size * size, image.shape[1] // size * size
-    return image[:height, :width].reshape(height // size, size, width // size, size, 3).mean((1, 3))
-
-
 def save(path, picture):
     height, width = picture.shape[:2]
     image = bpy.data.images.new("comparison", width, height)
@@ -381,7 +369,6 @@ def compare(path, output, *images):
             continue
         image = load(file)
         assert image.shape == reference.shape, (name, image.shape, reference.shape)
-        print(f"relMSE {name} {relative_error(image, reference):.6g} filtered {relative_error(box(image), box(reference)):.6g}")
         if materials:
             print_materials(name, image, reference, materials)
         difference = 0.5 + 2 * (image - reference) / scale

@@ -28,6 +28,7 @@ struct CompareArguments {
     std::string output;
     double exposure = 0;
     double most = -1; ///< FLIP above which the exit code is 1; negative: none
+    int box = 1; ///< pixels across, whose means are compared
     bool json = false;
 };
 
@@ -190,8 +191,12 @@ int compare(const CompareArguments &arguments) {
     const Compared compared = comparedOf(image, arguments.image);
     const Compared expected = comparedOf(reference, arguments.reference);
     const std::optional<chart::WelchTest> test = testOf(compared, expected);
+    const int shortest = std::min(image.window.width(), image.window.height());
+    if (shortest < arguments.box) failInput({"--box"}, std::to_string(arguments.box), fmt::format("at most {}, the images' shorter side", shortest));
     std::vector<float> flip;
     const Difference d = differenceOf(compared.rgb, expected.rgb, image.window, arguments.exposure, flip);
+    const auto boxed = [&](const std::vector<float> &rgb) { return chart::boxed(rgb, image.window.width(), image.window.height(), arguments.box); };
+    const double boxedMse = chart::relativeMse(boxed(compared.rgb), boxed(expected.rgb));
     if (!arguments.output.empty()) {
         Image picture{image.window, image.width, image.height, {"FLIP", "A"}, {}};
         for (const float v : flip) picture.values.insert(picture.values.end(), {v, 1.0F});
@@ -201,10 +206,12 @@ int compare(const CompareArguments &arguments) {
     }
     if (arguments.json) {
         nlohmann::json said = toJson(d);
+        if (arguments.box > 1) said["boxed_relmse"] = boxedMse;
         if (test) said["t_test"] = toJson(*test);
         std::cout << jsonText(said, 2) << std::endl;
     } else {
         print(d);
+        if (arguments.box > 1) fmt::print("relMSE of means of {} x {} pixels {:.4g}\n", arguments.box, arguments.box, boxedMse);
         if (test) print(*test, image.window);
     }
     return arguments.most >= 0 && !(d.flipMean <= arguments.most) ? 1 : 0;
@@ -223,6 +230,8 @@ void addCompare(CLI::App &parent, Run &run) {
     command->add_option("--exposure", arguments->exposure, "Stops by which both are brightened for FLIP, which sees [0, 1]")
         ->check(CLI::Range(-50.0, 50.0));
     command->add_option("--most", arguments->most, "Exit with 1 where the mean FLIP is above this")->check(CLI::Range(0.0, 1.0));
+    command->add_option("--box", arguments->box, "Also the relMSE of means of boxes of so many pixels each way, which noise hardly touches")
+        ->check(CLI::Range(1, 4096));
     command->add_flag("--json", arguments->json, "One JSON object on standard output");
     command->callback([&run, arguments] { run = [arguments] { return compare(*arguments); }; });
 }

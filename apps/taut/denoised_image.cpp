@@ -29,8 +29,8 @@ void addDenoised(const Film &film, FrameDenoiser &denoiser, Image &image) {
     for (const char *name : {"Noisy.R", "Noisy.G", "Noisy.B", "DenoiseError"}) image.channels.emplace_back(name);
 }
 
-void markDenoised(SavedHead &head, bool overFrames) {
-    head.metadata.emplace_back(kMark, overFrames ? kOverFrames : "by itself");
+void markDenoised(Metadata &metadata, bool overFrames) {
+    metadata.emplace_back(kMark, overFrames ? kOverFrames : "by itself");
 }
 
 std::optional<FrameDenoiser> denoiserOf(const SavedHead &head) {

@@ -12,8 +12,8 @@ namespace taut::app {
 /// DenoiseError, the standard error that is estimated to be left in a colour.
 void addDenoised(const Film &film, FrameDenoiser &denoiser, Image &image);
 
-/// Says in the head of a frame that its picture is to be denoised, by itself or over frames.
-void markDenoised(SavedHead &head, bool overFrames);
+/// Says in the metadata of a frame that its picture is to be denoised, by itself or over frames.
+void markDenoised(Metadata &metadata, bool overFrames);
 /// What denoises the pictures of frames with that head; none where they are not to be.
 std::optional<FrameDenoiser> denoiserOf(const SavedHead &head);
 

@@ -6,6 +6,7 @@
 #include "taut/base/file_bytes.h"
 #include "taut/base/frame_set.h"
 #include "taut/render/image_file.h"
+#include "taut/render/light_groups.h"
 
 #include <fmt/format.h>
 
@@ -44,13 +45,27 @@ void checkWritable(const std::string &path) {
     const OutputFile trial(path);
 }
 
+Metadata frameMetadata(const Scene &scene, double frame, const FilmLayers &layers) {
+    Metadata metadata{{"taut:version", TAUT_VERSION},
+                      {"taut:seed", std::to_string(scene.render.seed)},
+                      {"taut:frame", formatNumber(frame)}};
+    const Metadata mattes = matteMetadata(scene, layers);
+    metadata.insert(metadata.end(), mattes.begin(), mattes.end());
+    return metadata;
+}
+
+Metadata sampleMetadata(const Film &film) {
+    return {{"taut:spp", std::to_string(film.samples())},
+            {"taut:meanSpp", fmt::format("{:.3f}", film.meanSamples())},
+            {"taut:sampleRange", fmt::format("0-{}", film.samples() - 1)}};
+}
+
 void writeImages(const SavedHead &head, const Film &film, const std::vector<std::string> &paths, FrameDenoiser *denoiser) {
     Image image{film.window(), head.width, head.height, film.channelNames(), film.resolve()};
     if (denoiser != nullptr) addDenoised(film, *denoiser, image);
     Metadata metadata = head.metadata;
-    metadata.emplace_back("taut:spp", std::to_string(film.samples()));
-    metadata.emplace_back("taut:meanSpp", fmt::format("{:.3f}", film.meanSamples()));
-    metadata.emplace_back("taut:sampleRange", fmt::format("0-{}", film.samples() - 1));
+    const Metadata ofSamples = sampleMetadata(film);
+    metadata.insert(metadata.end(), ofSamples.begin(), ofSamples.end());
     for (const std::string &path : paths) writeImage(path, image, metadata, head.image);
 }
 

@@ -21,6 +21,11 @@ bool areThere(const std::vector<std::string> &paths);
 /// Throws RunError where a file beside `path` can't be written: before the work, not after it.
 void checkWritable(const std::string &path);
 
+/// What images say of the frame that they are of: version, seed, number, names of mattes.
+Metadata frameMetadata(const Scene &scene, double frame, const FilmLayers &layers);
+/// And of its samples.
+Metadata sampleMetadata(const Film &film);
+
 /// Writes each of these files as the head's settings say, with its metadata and what follows from the film. `denoiser`: of films that keep
 /// sums for denoising (denoised_image.h); null: the film is written as it is.
 void writeImages(const SavedHead &head, const Film &film, const std::vector<std::string> &paths, FrameDenoiser *denoiser = nullptr);

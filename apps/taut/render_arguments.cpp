@@ -82,11 +82,9 @@ Scene sceneOf(const RenderArguments &arguments) {
     if (arguments.spp > 0) scene.render.spp = arguments.spp;
     if (arguments.seed) scene.render.seed = *arguments.seed;
     if (arguments.fixedSeed) scene.render.fixedSeed = true;
-    const std::optional<Ground> ground = arguments.noGround ? std::nullopt : groundOf(scene);
-    if (!ground) return scene;
-    standOn(*ground, scene);
+    if (arguments.noGround) scene.render.ground = false;
     Warnings turned;
-    if (ground->yUp) turned.add(scene.path + ": y is taken for up, so that it stands (-D mesh.0.up=z: as it lies)");
+    standOnGround(scene, turned);
     if (!arguments.quiet) printWarnings(turned);
     return scene;
 }

@@ -16,7 +16,6 @@
 #include "taut/base/frame_set.h"
 #include "taut/images/image_codec.h"
 #include "taut/render/image_file.h"
-#include "taut/render/light_groups.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -117,7 +116,7 @@ class FrameNames {
         std::string overrides;
         for (const std::string &define : arguments_.scene.overrides) overrides += (overrides.empty() ? "" : " ") + define;
         head.facts.emplace_back("-D", overrides.empty() ? "none" : overrides);
-        if (scene_.unsaid.scene) head.facts.emplace_back("ground", arguments_.noGround ? "none" : "under it");
+        head.facts.emplace_back("ground", scene_.render.ground ? "under it" : "none");
         head.facts.emplace_back("model", arguments_.model.model.empty() ? "auto" : arguments_.model.model);
         head.facts.emplace_back("error", arguments_.model.error ? formatNumber(*arguments_.model.error) : "any");
         head.facts.emplace_back("tolerance", arguments_.model.tolerance ? formatNumber(*arguments_.model.tolerance) : "by default");
@@ -135,13 +134,9 @@ class FrameNames {
         head.height = scene_.render.height;
         head.window = options_.window.empty() ? Window{0, 0, head.width, head.height} : options_.window;
         head.image = scene_.image;
-        head.metadata = {{"taut:version", TAUT_VERSION},
-                         {"taut:seed", std::to_string(scene_.render.seed)},
-                         {"taut:frame", std::to_string(frame)},
-                         {"taut:sceneHash", sceneHash_}};
-        const Metadata mattes = matteMetadata(scene_, options_.layers);
-        head.metadata.insert(head.metadata.end(), mattes.begin(), mattes.end());
-        if (options_.denoiseBlock > 0) markDenoised(head, arguments_.denoiseFrames);
+        head.metadata = frameMetadata(scene_, frame, options_.layers);
+        head.metadata.emplace_back("taut:sceneHash", sceneHash_);
+        if (options_.denoiseBlock > 0) markDenoised(head.metadata, arguments_.denoiseFrames);
         return head;
     }
 

@@ -2,7 +2,7 @@
 
     blender -b -noaudio --factory-startup --python-exit-code 1 --python live_cycles.py -- ADDON_FOLDER PACKAGE_FOLDER SCRATCH TAUT SPP
 
-Prints "relMSE NAME VALUE filtered VALUE" against the picture of `taut render` (cycles.py): of Cycles with the gloss following, the same as a
+Prints "relMSE NAME VALUE filtered VALUE" against the picture of `taut render` (taut.relative_error): of Cycles with the gloss following, the same as a
 frame of an animation, with roughness held fixed, of "Render with Taut", and of Taut's picture with another seed, the noise; then of a
 metal that roughens by its strain, against its own picture.
 """
@@ -138,7 +138,7 @@ roughened = taut_render("metal.exr", *(word for words in metal for word in ("-D"
 images["geometry_alone_roughened"] = images["cycles_follow"]  # geometry alone, beside the metal
 for name, image in images.items():
     against = roughened if name.endswith("roughened") else images["cycles_follow"] if name == "cycles_two_seeds" else reference
-    raw, filtered = cycles.relative_error(image, against), cycles.relative_error(cycles.box(image), cycles.box(against))
+    raw, filtered = taut.relative_error(image, against), taut.relative_error(image, against, box=4)
     print(f"relMSE {name} {raw:.6g} filtered {filtered:.6g}")
 scale = np.percentile(reference, 99)
 columns = [np.concatenate([0.5 + 2 * (image - reference) / scale, image / scale], 0) for image in [reference, *images.values()]]

@@ -273,7 +273,7 @@ void runPicture(std::string_view bytes) {
         const bool planned = source.flag();
         check(scene);
         if (source.flag()) {
-            scene.unsaid.scene = scene.unsaid.camera = scene.unsaid.up = true;
+            scene.render.ground = scene.unsaid.camera = scene.unsaid.up = true;
             if (const std::optional<Ground> ground = groundOf(scene)) standOn(*ground, scene);
             check(scene);
         }

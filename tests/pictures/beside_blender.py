@@ -71,7 +71,10 @@ def picture(name, taut, folder, arguments):
     subprocess.run([taut, "render", scene, "--frames", f"{frame:g}", "--spp", str(arguments.spp), "-q", "-o", f"{out}.taut.exr"], check=True)
     said = blender(folder / f"{name}.compare.log", "apps/blender/cycles.py", "compare", f"{out}.blender.exr", f"{out}.png",
                    f"taut={out}.taut.exr", f"materials={out}.blender.materials.exr:{','.join(view['materials'])}")
-    print(f"{name}:", *(line for line in said.splitlines() if line.startswith(("relMSE", "material"))), sep="\n  ")
+    compared = json.loads(subprocess.run([taut, "compare", f"{out}.taut.exr", f"{out}.blender.exr", "--box", "4", "--json"], check=True,
+                                         capture_output=True, text=True).stdout)
+    print(f"{name}:", f"relMSE {compared['relmse']:.6g} filtered {compared['boxed_relmse']:.6g}",
+          *(line for line in said.splitlines() if line.startswith("material")), sep="\n  ")
 
 
 def main():

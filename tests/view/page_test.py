@@ -13,6 +13,7 @@ import sys
 import time
 
 import webdriver
+from page_looks import Looks
 from view_process import Server
 
 SCENE = """[render]
@@ -57,7 +58,7 @@ return [canvas.width, canvas.height, btoa(text)];"""
 SHEAR = "plate, shear, keyed"
 
 
-class Test:
+class Test(Looks):
     def __init__(self, taut, folder):
         self.taut, self.folder = taut, folder
         self.scene = f"{folder}/plate.toml"
@@ -94,12 +95,12 @@ class Test:
         width, height, data = webdriver.read_png(output)
         return [data[3 * width * y:3 * width * (y + 1)] for y in range(height)]
 
-    def check_same(self, seen, expected, left=0.0, right=1.0):
+    def check_same(self, seen, expected, left=0.0, right=1.0, levels=1):
         """Halves are rounded and so are 8 bits: one level apart at most."""
         width = len(expected[0]) // 3
         begin, end = 3 * round(left * width), 3 * round(right * width)
         worst = max(abs(a - b) for s, e in zip(seen, expected) for a, b in zip(s[begin:end], e[begin:end]))
-        assert len(seen) == len(expected) and worst <= 1, f"pixels differ by {worst}"
+        assert len(seen) == len(expected) and worst <= levels, f"pixels differ by {worst}"
 
     def opens(self):
         self.browser.open(self.server.url)
@@ -114,30 +115,6 @@ class Test:
         self.browser.press("[", "[")
         self.check_same(self.pixels()[2], self.rendered(self.scene))
         assert self.server.get("state")["version"] == before
-
-    def shown(self, transform):
-        """What the picture's pixels are on a screen, by a function from a linear pixel to display values from 0 to 1."""
-        byte = lambda v: round(255 * min(max(v, 0), 1))
-        return [bytes(byte(v) for pixel in row for v in transform(pixel)) for row in self.server.picture()]
-
-    def looks(self):
-        """View transforms against their formulas: IEC 61966-2-1, Narkowicz 2015, and stops about middle grey."""
-        encoded = lambda c: 12.92 * c if c <= 0.0031308 else 1.055 * c ** (1 / 2.4) - 0.055
-        filmic = lambda c: min(1, c * (2.51 * c + 0.03) / (c * (2.43 * c + 0.59) + 0.14))
-        low, middle, high = (0.0, 0.135, 0.304), (0.486, 0.482, 0.471), (0.996, 0.91, 0.217)
-
-        def stops(pixel):
-            stop = math.log2(max(sum(w * c for w, c in zip((0.2126, 0.7152, 0.0722), pixel)), 1e-6) / 0.18)
-            u = min(max((stop + 6) / 12, 0), 1)
-            mix = lambda a, b, t: [x + (y - x) * t for x, y in zip(a, b)]
-            return mix(low, middle, 2 * u) if u < 0.5 else mix(middle, high, 2 * u - 1)
-
-        self.check_same(self.pixels()[2], self.shown(lambda pixel: [encoded(c) for c in pixel[:3]]))
-        self.browser.press("down", focus="#transform")
-        self.check_same(self.pixels()[2], self.shown(lambda pixel: [encoded(filmic(c)) for c in pixel[:3]]))
-        self.browser.press("down", focus="#transform")
-        self.check_same(self.pixels()[2], self.shown(stops))
-        self.browser.press("up", "up", focus="#transform")
 
     def frames(self):
         """Field of view and aperture by the keyboard."""
@@ -335,7 +312,8 @@ class Test:
     def survives(self):
         changes = self.server.get("state")["changes"]
         assert changes
-        assert not self.browser.complaints()
+        complaints = self.browser.complaints()
+        assert not complaints, complaints
         self.server.end()
         self.browser.until("return document.getElementById('trouble').textContent.includes('The server is gone')")
         self.server = Server(self.taut, self.scene, "--token-file", f"{self.folder}/token", "--port", self.port)
@@ -351,7 +329,7 @@ class Test:
 
     def run(self):
         try:
-            for part in (self.opens, self.looks, self.orbits, self.touches, self.frames, self.snapshots, self.scrubs, self.colours, self.deforms, self.wipes, self.inspects, self.saves, self.undoes,
+            for part in (self.opens, self.looks, self.denoises, self.layers, self.looks_as_the_scene_says, self.orbits, self.touches, self.frames, self.snapshots, self.scrubs, self.colours, self.deforms, self.wipes, self.inspects, self.saves, self.undoes,
                          self.plays, self.speaks, self.fits, self.survives):
                 print(part.__name__, flush=True)
                 part()

@@ -34,6 +34,6 @@ PYBIND11_MODULE(_taut, module) {
                "Limits the threads of everything that taut computes to this many; 0: all of the machine's.");
     taut::python::addGloss(module);
     taut::python::addMicrosurface(module);
-    taut::python::addScene(module);
     taut::python::addImage(module);
+    taut::python::addScene(module);
 }

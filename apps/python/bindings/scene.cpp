@@ -77,6 +77,8 @@ void addScene(py::module_ &module) {
         .def_property_readonly("warnings", &PythonScene::warnings)
         .def_property_readonly("size", [](const PythonScene &s) { return py::make_tuple(s.scene().render.width, s.scene().render.height); })
         .def_property_readonly("spp", [](const PythonScene &s) { return s.scene().render.spp; })
+        .def_property_readonly("image", [](const PythonScene &s) { return s.scene().image; })
+        .def_property_readonly("fixed_seed", [](const PythonScene &s) { return s.scene().render.fixedSeed; })
         .def_property_readonly("fps", [](const PythonScene &s) { return s.scene().render.fps; })
         .def_property_readonly("frames", [](const PythonScene &s) { return s.scene().render.frames; })
         .def_property_readonly("objects",
@@ -96,19 +98,23 @@ void addScene(py::module_ &module) {
             },
             py::arg("object"), py::arg("frames"), py::arg("first_frame"))
         .def("stop", &PythonScene::stop);
+    py::class_<PythonDenoiser, std::shared_ptr<PythonDenoiser>>(module, "Denoiser").def(py::init<bool>(), py::arg("over_frames"));
     py::class_<Refinement>(module, "Refinement")
         .def(py::init([](std::shared_ptr<PythonScene> scene, double frame, int spp, int firstSample, const std::optional<double> &noise,
-                         const std::array<int, 4> &crop, const std::vector<std::string> &aovs, const std::optional<std::uint32_t> &seed) {
-                 return std::make_unique<Refinement>(std::move(scene), RefinementOptions{frame, spp, firstSample, noise, crop, aovs, seed});
+                         const std::array<int, 4> &crop, const std::vector<std::string> &aovs, const std::optional<std::uint32_t> &seed,
+                         std::shared_ptr<PythonDenoiser> denoiser, bool isTimed) {
+                 return std::make_unique<Refinement>(std::move(scene), RefinementOptions{frame, spp, firstSample, noise, crop, aovs, seed,
+                                                                                         std::move(denoiser), isTimed});
              }),
              py::arg("scene"), py::arg("frame"), py::arg("spp"), py::arg("first_sample"), py::arg("noise"), py::arg("crop"),
-             py::arg("aovs"), py::arg("seed"))
+             py::arg("aovs"), py::arg("seed"), py::arg("denoiser"), py::arg("is_timed"))
         .def("advance", &Refinement::advance, py::arg("samples"), py::arg("seconds"), py::arg("progress"))
         .def("stop", &Refinement::stop)
         .def_property_readonly("done", &Refinement::done)
         .def_property_readonly("share", &Refinement::share)
-        .def_property_readonly("channels", &Refinement::channels)
+        .def_property_readonly("metadata", &Refinement::metadata)
         .def("film", &Refinement::film)
+        .def("denoised", &Refinement::denoised)
         .def("save", &Refinement::save, py::arg("path"))
         .def("restore", &Refinement::restore, py::arg("path"));
     module.attr("aovs") = aovChannels();

@@ -2,10 +2,15 @@
 
 #include "taut_app.h"
 
+#include "../../taut/denoised_image.h"
+#include "../../taut/image_output.h"
+
 #include "taut/base/file_bytes.h"
 #include "taut/base/frame_set.h"
 #include "taut/export/gloss_export.h"
 #include "taut/pilot/plan_by_pilots.h"
+
+#include <pybind11/stl.h>
 
 #include <cmath>
 #include <condition_variable>
@@ -71,10 +76,15 @@ RenderScene &PythonScene::ready(bool planned) {
     // A function of Python may throw on the way, and the scene must outlive that: it is taken over as a copy.
     Scene copy = scene();
     const bool animated = copy.render.frames.size() > 1 || std::any_of(copy.objects.begin(), copy.objects.end(), moves);
+    if (!isGrounded_) {
+        ground_ = standOnGround(copy, warnings_);
+        isGrounded_ = true;
+    } else if (ground_) {
+        standOn(*ground_, copy);
+    }
     ScenePlan plan = planned ? planByPilots(copy, planOptions_).plan : defaultPlan(copy);
     ready_ = std::make_shared<RenderScene>(std::move(copy), std::move(plan), animated);
     planned_ = planned;
-    loaded_ = {};
     return *ready_;
 }
 
@@ -144,7 +154,9 @@ py::dict PythonScene::glossAt(double frame, const std::string &name) {
 void PythonScene::setPoints(const std::string &object, std::shared_ptr<const PointSource> points) {
     const Alone alone(busy_);
     ++changes_;
-    ready(planOptions_.full).setPoints(objectNamed(object), std::move(points));
+    const Index index = objectNamed(object);
+    ready(planOptions_.full).setPoints(index, points);
+    loaded_.objects[index].points = std::move(points);
 }
 
 void PythonScene::stop() {
@@ -154,9 +166,10 @@ void PythonScene::stop() {
 
 Refinement::Refinement(std::shared_ptr<PythonScene> scene, const RefinementOptions &options) : scene_(std::move(scene)) {
     const Alone alone(scene_->busy_);
-    const std::vector<std::string_view> names(options.aovs.begin(), options.aovs.end());
+    FilmContents contents = filmContentsNamed(options.aovs, "aovs");
     FrameOptions frameOptions;
-    frameOptions.aovs = aovsNamed(names, "aovs");
+    frameOptions.aovs = std::move(contents.aovs);
+    frameOptions.layers = std::move(contents.layers);
     ++scene_->changes_;
     RenderScene &ready = scene_->ready(scene_->isPlanned(options.frame));
     ready_ = scene_->ready_;
@@ -171,10 +184,19 @@ Refinement::Refinement(std::shared_ptr<PythonScene> scene, const RefinementOptio
                   "(x0, y0, x1, y1) with 0 <= x0 < x1 <= " + std::to_string(render.width) +
                       " and 0 <= y0 < y1 <= " + std::to_string(render.height));
     frameOptions.seed = frameSeed(options.seed.value_or(render.seed), static_cast<int>(std::lround(options.frame)), render.fixedSeed);
+    if (options.denoiser) {
+        PythonDenoiser &denoiser = *options.denoiser;
+        frameOptions.denoiseBlock = denoiseBlockOf(frameOptions.spp, !options.isTimed && !options.noise);
+        if (denoiser.denoiser.overFrames() && denoiser.before) {
+            ready.setFrame(*denoiser.before);
+            frameOptions.before = &before_.emplace(ready);
+        }
+        denoiser_ = options.denoiser;
+    }
+    frame_ = options.frame;
     ready.setFrame(options.frame);
     change_ = scene_->changes_;
     render_ = std::make_unique<FrameRender>(ready, frameOptions);
-    channels_ = render_->film().channelNames();
 }
 
 void Refinement::checkCurrent() const {
@@ -237,19 +259,46 @@ std::string Refinement::advance(int samples, double seconds, const py::object &p
     return state == FrameState::Done ? "done" : state == FrameState::Stopped ? "stopped" : "going";
 }
 
-py::tuple Refinement::film() const {
-    const Film film = render_->film();
+namespace {
+
+py::tuple arraysOf(const Film &film, const Image &image) {
     const Window &window = film.window();
     const auto width = static_cast<py::ssize_t>(window.width());
     const auto height = static_cast<py::ssize_t>(window.height());
-    const std::vector<float> means = film.resolve();
-    Array<float> pixels({height, width, static_cast<py::ssize_t>(channels_.size())});
-    std::copy(means.begin(), means.end(), pixels.mutable_data());
+    Array<float> pixels({height, width, static_cast<py::ssize_t>(image.channels.size())});
+    std::copy(image.values.begin(), image.values.end(), pixels.mutable_data());
     Array<std::uint32_t> samples({height, width});
     std::uint32_t *to = samples.mutable_data();
     for (int y = window.y0; y < window.y1; ++y)
         for (int x = window.x0; x < window.x1; ++x) *to++ = film.samplesAt(x, y);
-    return py::make_tuple(pixels, samples);
+    return py::make_tuple(pixels, image.channels, samples);
+}
+
+} // namespace
+
+py::tuple Refinement::film() const {
+    const Film film = render_->film();
+    return arraysOf(film, imageOf(film, ready_->scene().render));
+}
+
+py::tuple Refinement::denoised() {
+    const Film film = render_->film();
+    Image image = imageOf(film, ready_->scene().render);
+    {
+        const py::gil_scoped_release unlocked;
+        app::addDenoised(film, denoiser_->denoiser, image);
+    }
+    denoiser_->before = frame_;
+    return arraysOf(film, image);
+}
+
+Metadata Refinement::metadata() const {
+    const Film film = render_->film();
+    Metadata all = app::frameMetadata(ready_->scene(), frame_, film.layers());
+    const Metadata ofSamples = app::sampleMetadata(film);
+    all.insert(all.end(), ofSamples.begin(), ofSamples.end());
+    if (denoiser_) app::markDenoised(all, denoiser_->denoiser.overFrames());
+    return all;
 }
 
 void Refinement::save(const std::string &path) const {

@@ -4,8 +4,11 @@
 #include "scene_tree.h"
 
 #include "taut/plan/plan.h"
+#include "taut/render/denoise_features.h"
+#include "taut/render/denoise_frames.h"
 #include "taut/render/frame_render.h"
 #include "taut/render/render_scene.h"
+#include "taut/scene/ground.h"
 
 #include <atomic>
 #include <mutex>
@@ -27,7 +30,8 @@ class PythonScene {
   public:
     PythonScene(Scene scene, Warnings warnings, PlanOptions plan, bool pointsOfPython);
 
-    [[nodiscard]] const Scene &scene() const { return ready_ ? ready_->scene() : loaded_; }
+    /// As it was read: without the ground that its pictures stand on.
+    [[nodiscard]] const Scene &scene() const { return loaded_; }
     [[nodiscard]] const std::vector<std::string> &warnings() const { return warnings_.lines; }
     /// As `taut info --json`.
     std::string plan();
@@ -46,8 +50,10 @@ class PythonScene {
     [[nodiscard]] bool isPlanned(double frame) const;
     [[nodiscard]] Index objectNamed(const std::string &name) const;
 
-    Scene loaded_; // until it is made ready
+    Scene loaded_;
     Warnings warnings_;
+    bool isGrounded_ = false; // whether a ground was looked for
+    std::optional<Ground> ground_;
     PlanOptions planOptions_;
     std::shared_ptr<RenderScene> ready_; // of a scene that is made ready anew refinements keep the old one
     bool planned_;
@@ -55,6 +61,13 @@ class PythonScene {
     Busy busy_;
     std::mutex goingMutex_;
     FrameRender *going_ = nullptr; // what stop() ends
+};
+
+/// What takes the noise out of pictures of a scene; over frames it has the one before in mind.
+struct PythonDenoiser {
+    explicit PythonDenoiser(bool overFrames) : denoiser(overFrames) {}
+    FrameDenoiser denoiser;
+    std::optional<double> before{}; ///< that frame
 };
 
 struct RefinementOptions {
@@ -65,6 +78,8 @@ struct RefinementOptions {
     std::array<int, 4> crop{}; ///< empty: all
     std::vector<std::string> aovs;
     std::optional<std::uint32_t> seed;
+    std::shared_ptr<PythonDenoiser> denoiser; ///< null: none
+    bool isTimed = false;                     ///< how many samples there will be is not known
 };
 
 class Refinement {
@@ -76,9 +91,12 @@ class Refinement {
     void stop() { render_->stop(); }
     [[nodiscard]] bool done() const { return render_->done(); }
     [[nodiscard]] double share() const { return render_->share(); }
-    /// Means [height, width, channels], and the samples of each pixel [height, width].
+    /// Means [height, width, channels], the names of these, and the samples of each pixel [height, width].
     [[nodiscard]] py::tuple film() const;
-    [[nodiscard]] std::vector<std::string> channels() const { return channels_; }
+    /// Likewise, denoised: once, when the picture is there.
+    [[nodiscard]] py::tuple denoised();
+    /// What a file says of the picture as it stands.
+    [[nodiscard]] Metadata metadata() const;
     void save(const std::string &path) const;
     void restore(const std::string &path);
 
@@ -87,8 +105,10 @@ class Refinement {
 
     std::shared_ptr<PythonScene> scene_;
     std::shared_ptr<const RenderScene> ready_;
+    std::optional<FrameBefore> before_;
     std::unique_ptr<FrameRender> render_;
-    std::vector<std::string> channels_;
+    std::shared_ptr<PythonDenoiser> denoiser_;
+    double frame_ = 1;
     std::uint64_t change_ = 0;
 };
 

@@ -10,6 +10,7 @@
     taut.microsurface                           D, G1, G2, evaluate, pdf, sample, weight, albedo, walk, ... any M per row
     taut.Scene("scene.toml")                    a scene from a file, a dict of the scene file's keys, arrays: render, plan, export
     taut.write_image(path, picture), taut.read_image(path)   .exr and .png
+    taut.relative_error(image, reference)       relMSE, as `taut compare` says it
     taut.copies()                               arrays that had to be copied on their way in
     taut.limit_threads(n)                       0: all
 
@@ -28,8 +29,10 @@ Source: "Microsurface Transformations", Computer Graphics Forum 41(4), 2022; doc
 from . import _checks, _taut, microsurface
 from ._arrays import copies
 from ._gloss import Gloss, VertexGloss, gloss, presets
-from ._image import read_image, write_image
-from ._scene import Refinement, Scene
+from ._image import read_image, relative_error, write_image
+from ._picture import Picture
+from ._refinement import Refinement
+from ._scene import Scene
 from ._taut import InputError, RunError
 from ._taut import version as __version__
 
@@ -46,6 +49,7 @@ def limit_threads(threads: int) -> None:
 __all__ = [
     "Gloss",
     "InputError",
+    "Picture",
     "Refinement",
     "RunError",
     "Scene",
@@ -56,5 +60,6 @@ __all__ = [
     "microsurface",
     "presets",
     "read_image",
+    "relative_error",
     "write_image",
 ]

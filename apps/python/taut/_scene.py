@@ -14,8 +14,9 @@ from . import _taut
 from ._arrays import table
 from ._checks import describe, fail, number, seed as seed_of, text, texts, whole
 from ._gloss import _faces, _indices
+from ._picture import Picture
+from ._refinement import Refinement
 
-Picture = Dict[str, NDArray[Any]]
 Points = Union[None, ArrayLike, Sequence[ArrayLike], Callable[[float], ArrayLike]]
 _ARRAY_KEYS = ("positions", "faces", "uv", "normals", "points", "first_frame", "face_materials", "material_names")
 
@@ -82,6 +83,9 @@ class Scene:
     folder     where relative paths of a dict start; the current folder by default.
     model      "auto": the cheapest model within the tolerance over the frames that the scene names (`taut info`); a frame outside them,
                and any of a mesh with `points`, of which nobody knows what they will be, everything per vertex. "full": every saving off.
+    ground     whether its pictures stand on a ground, in a neutral studio where nothing else lights them, framed where no camera is said
+               (docs/scene.md). None: as the scene says, which a mesh or glTF file alone does, as by the command. Exports, `gloss` and
+               `objects` know nothing of it.
     tolerance  relative RMS error that the savings may have together; None: 0.01, and light of several facets only where it shows.
 
     Raises InputError with the message of the command; of a dict it names the key: `mesh[0].material: found 'brased', ...`.
@@ -96,7 +100,11 @@ class Scene:
         folder: Union[str, "os.PathLike[str]"] = ".",
         model: str = "auto",
         tolerance: Optional[float] = None,
+        ground: Optional[bool] = None,
     ) -> None:
+        said = texts("overrides", overrides)
+        if ground is not None:
+            said.append(f"render.ground={'true' if ground else 'false'}")
         given: Dict[str, Tuple[Any, ...]] = {}
         tree: Any
         if isinstance(source, Mapping):
@@ -111,7 +119,7 @@ class Scene:
         if tolerance is not None:
             tolerance = number("tolerance", tolerance, 1e-6, 1, "a number in [1e-6, 1]")
         self._core = _taut.Scene(
-            tree, os.path.join(text("folder", folder), ""), given, texts("overrides", overrides), str(model), tolerance
+            tree, os.path.join(text("folder", folder), ""), given, said, str(model), tolerance
         )
 
     @staticmethod
@@ -171,25 +179,69 @@ class Scene:
         noise: Optional[float] = None,
         crop: Optional[Tuple[int, int, int, int]] = None,
         seed: Optional[int] = None,
+        denoise: bool = False,
         progress: Optional[Callable[[float], Any]] = None,
     ) -> Picture:
         """A frame as arrays, row 0 the top: "rgb" (height, width, 3) linear and "coverage" (height, width), the share of its
         samples that hit something, float32; "samples" (height, width); and one array for each of `aovs`, named as those of the
         command ("depth", "normal", "m", ..., or "all"): (height, width) or (height, width, channels), in world space where it is a
-        place or a direction.
+        place or a direction. Of the layers (docs/aovs.md) "crypto_object" and "crypto_material" are (height, width, ranks, 2), an id
+        and its share, which Picture.matte finds by name; "lights" gives a "light_NAME" (height, width, 3) for each group, which sum
+        to rgb; "variance" is (height, width, 3); "samples" goes into files too.
 
         frame     the scene's first by default; may be fractional.
         seconds   stop after the pass in which this much time is over; noise: adaptive sampling to this relative noise, spp the upper bound.
         crop      pixels (x0, y0, x1, y1), x1 and y1 excluded.
+        denoise   takes the noise out of "rgb" (docs/denoise.md); what was rendered is "noisy" (height, width, 3), and "denoise_error"
+                  (height, width) the standard error that is estimated to be left. A picture that was stopped stays as it is.
         progress  called with the share done in [0, 1], by this thread; False stops. What it throws comes out as itself.
 
         Ctrl-C, `stop` or a false progress end it within a tile; Ctrl-C raises KeyboardInterrupt, the others return what there is.
         The same arguments give the same bits, whatever the threads.
         """
         with self._rendering:
-            refinement = self.refine(frame, spp, aovs, noise=noise, crop=crop, seed=seed)
-            refinement.advance(0, seconds, progress)
-            return refinement.picture()
+            denoiser = _taut.Denoiser(False) if denoise else None
+            return self._render(frame, spp, aovs, seconds, noise, crop, seed, progress, denoiser)
+
+    def _render(
+        self,
+        frame: Optional[float],
+        spp: Optional[int],
+        aovs: Union[str, Sequence[str]],
+        seconds: Optional[float],
+        noise: Optional[float],
+        crop: Optional[Tuple[int, int, int, int]],
+        seed: Optional[int],
+        progress: Optional[Callable[[float], Any]],
+        denoiser: Optional[_taut.Denoiser],
+    ) -> Picture:
+        refinement = self._refine(frame, spp, aovs, 0.5, noise, crop, seed, denoiser, seconds is not None)
+        end = refinement.advance(0, seconds, progress)
+        return refinement._picture(denoiser is not None and end != "stopped")
+
+    def render_frames(
+        self,
+        frames: Optional[Sequence[int]] = None,
+        spp: Optional[int] = None,
+        aovs: Union[str, Sequence[str]] = (),
+        *,
+        denoise: Union[bool, str] = False,
+        seed: Optional[int] = None,
+        progress: Optional[Callable[[float], Any]] = None,
+    ) -> Iterator[Picture]:
+        """Frames one after the other, the scene's by default: an iterator of what `render` returns. With denoise="frames" each is
+        denoised with what the one before shows of the same points as well, as by --denoise-frames."""
+        if denoise not in (False, True, "frames"):
+            fail("denoise", describe(denoise), "True, False or 'frames'")
+        if denoise == "frames" and self._core.fixed_seed:
+            fail("denoise", "'frames' with a fixed seed", "numbers of their own in all frames, or True, which takes each for itself")
+        chosen = self.frames if frames is None else [whole("frames", frame, -(10**9), 10**9) for frame in frames]
+        over_frames = _taut.Denoiser(True) if denoise == "frames" else None
+        for frame in chosen:
+            with self._rendering:
+                denoiser = _taut.Denoiser(False) if denoise is True else over_frames
+                picture = self._render(frame, spp, aovs, None, None, None, seed, progress, denoiser)
+            yield picture
 
     def refine(
         self,
@@ -201,7 +253,7 @@ class Scene:
         noise: Optional[float] = None,
         crop: Optional[Tuple[int, int, int, int]] = None,
         seed: Optional[int] = None,
-    ) -> "Refinement":
+    ) -> Refinement:
         """A frame that gets better while one looks: iterate over pictures about `every` so many seconds, until all samples are there.
 
             for picture in scene.refine(1, spp=1024):
@@ -209,6 +261,20 @@ class Scene:
 
         Its last picture has the bits of `render`.
         """
+        return self._refine(frame, spp, aovs, every, noise, crop, seed, None, False)
+
+    def _refine(
+        self,
+        frame: Optional[float],
+        spp: Optional[int],
+        aovs: Union[str, Sequence[str]],
+        every: float,
+        noise: Optional[float],
+        crop: Optional[Tuple[int, int, int, int]],
+        seed: Optional[int],
+        denoiser: Optional[_taut.Denoiser],
+        is_timed: bool,
+    ) -> Refinement:
         samples = 0 if spp is None else whole("spp", spp, 1, 1 << 24)
         if noise is not None:
             noise = number("noise", noise, 1e-9, 1 - 1e-9, "a relative noise level above 0 and below 1")
@@ -221,7 +287,8 @@ class Scene:
             if window == [0, 0, 0, 0]:
                 fail("crop", describe(crop), "a part of the picture")
         at = self._frame(frame)
-        return Refinement(_taut.Refinement(self._core, at, samples, 0, noise, window, texts("aovs", aovs), seed_of(seed)), every)
+        core = _taut.Refinement(self._core, at, samples, 0, noise, window, texts("aovs", aovs), seed_of(seed), denoiser, is_timed)
+        return Refinement(core, every, self._core.image)
 
     def _frame(self, frame: Optional[float]) -> float:
         return float(self.frames[0]) if frame is None else number("frame", frame, -1e9, 1e9, "a frame in [-1e9, 1e9]")
@@ -270,72 +337,3 @@ class Scene:
         what policies did."""
         result: Dict[str, Any] = json.loads(self._core.plan())
         return result
-
-
-class Refinement:
-    """One frame, rendered in steps. Made by Scene.refine, of which only the latest may go on."""
-
-    def __init__(self, core: Any, every: float) -> None:
-        self._core: _taut.Refinement = core
-        self._every = every
-        self._stopped = False
-
-    def advance(self, samples: int = 0, seconds: Optional[float] = None, progress: Optional[Callable[[float], Any]] = None) -> str:
-        """Renders on: by `samples` more for every pixel, or about `seconds`; to the end where neither is given.
-
-        Returns "going", "stopped" or "done". `progress` as in Scene.render. Ctrl-C raises KeyboardInterrupt within a tile; what the
-        picture has is whole, and advance goes on from there.
-        """
-        if progress is not None and not callable(progress):
-            fail("progress", describe(progress), "a function of the share done")
-        most = 0.0 if seconds is None else number("seconds", seconds, 0, 1e12, "a time above 0")
-        return self._core.advance(whole("samples", samples, 0, 1 << 24), most, progress)
-
-    def picture(self) -> Picture:
-        """The frame as it stands, as Scene.render returns it; from any thread, while another advances too."""
-        pixels, samples = self._core.film()
-        picture: Picture = {"rgb": pixels[..., :3], "coverage": pixels[..., 3], "samples": samples}
-        at, channels = 4, self._core.channels
-        while at < len(channels):
-            name, count = _aovs[channels[at]]
-            picture[name] = pixels[..., at] if count == 1 else pixels[..., at : at + count]
-            at += count
-        return picture
-
-    def __iter__(self) -> Iterator[Picture]:
-        while not self.done and not self._stopped:
-            if self.advance(seconds=self._every) == "stopped":
-                self._stopped = True
-            yield self.picture()
-
-    def stop(self) -> None:
-        """Ends what goes on in another thread, within a tile; iteration ends after one more picture."""
-        self._stopped = True
-        self._core.stop()
-
-    @property
-    def done(self) -> bool:
-        """Whether all samples are there."""
-        return self._core.done
-
-    @property
-    def share(self) -> float:
-        """Share of the samples that are done, [0, 1]."""
-        return self._core.share
-
-    def save(self, path: Union[str, "os.PathLike[str]"]) -> None:
-        """A checkpoint: all that `restore` needs to go on, in another process too."""
-        self._core.save(text("path", path))
-
-    def restore(self, path: Union[str, "os.PathLike[str]"]) -> "Refinement":
-        """Goes on from a checkpoint of the same frame and options (spp may be higher). Raises InputError saying what differs or is
-        damaged, and leaves things as they were."""
-        self._core.restore(text("path", path))
-        return self
-
-    def __repr__(self) -> str:
-        return f"<taut.Refinement, {100 * self.share:.0f} % done>"
-
-
-_aovs: Dict[str, Tuple[str, int]] = {channels[0]: (name, len(channels)) for name, channels in _taut.aovs}
-"""Name and number of channels, by the first channel's name in a film."""

@@ -17,6 +17,19 @@ double relativeRms(std::span<const float> image, std::span<const float> referenc
     return std::sqrt(difference / size);
 }
 
+std::vector<float> boxed(std::span<const float> rgb, int width, int height, int size) {
+    std::vector<float> means;
+    for (int y = 0; y + size <= height; y += size)
+        for (int x = 0; x + size <= width; x += size)
+            for (int c = 0; c < 3; ++c) {
+                double sum = 0;
+                for (int v = y; v < y + size; ++v)
+                    for (int u = x; u < x + size; ++u) sum += static_cast<double>(rgb[static_cast<std::size_t>(3 * (v * width + u) + c)]);
+                means.push_back(static_cast<float>(sum / (size * size)));
+            }
+    return means;
+}
+
 double relativeMse(std::span<const float> image, std::span<const float> reference) {
     const auto lit = [&](std::size_t pixel) {
         float sum = 0;

@@ -15,6 +15,9 @@ double relativeMse(std::span<const float> image, std::span<const float> referenc
 
 double meanOf(std::span<const float> values);
 
+/// Means of boxes of `size` x `size` pixels of an R G B image, which noise hardly touches; rows and columns that fill none are left out.
+std::vector<float> boxed(std::span<const float> rgb, int width, int height, int size);
+
 /// Variance of images of several seeds over pixels and colours, relative to the square of their means.
 double relativeVariance(std::span<const std::vector<float>> images);
 

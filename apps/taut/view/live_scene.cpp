@@ -77,7 +77,7 @@ void Touched::add(const std::string &key) {
     } else if (section == "mesh" && parts.size() > 2 &&
                (parts[2] == "deform" || parts[2] == "translate" || parts[2] == "rotate_deg" || parts[2] == "scale")) {
         motion = true;
-    } else {
+    } else if (section != "image") { // how the picture is seen is not what it is
         everything = true;
     }
 }
@@ -104,7 +104,7 @@ bool LiveScene::fits(const Scene &next, const Touched &touched) const {
         const Object &a = now.objects[i];
         const Object &b = next.objects[i];
         if (!isSameSurface(a, b)) return false;
-        if (touched.motion && !isSameMotion(a, b) && !ready_->canMove(i, b.deformers, b.placement)) return false;
+        if ((touched.motion || touched.camera) && !isSameMotion(a, b) && !ready_->canMove(i, b.deformers, b.placement)) return false;
     }
     return true;
 }
@@ -120,7 +120,7 @@ void LiveScene::take(Scene next, const Touched &touched) {
         for (Index i = 0; i < next.lights.size(); ++i) ready_->setLight(i, std::move(next.lights[i]));
     for (Index m = 0; m < next.materials.size(); ++m)
         if (touched.materials.count(next.materials[m].name) > 0) ready_->setMaterial(m, std::move(next.materials[m]));
-    if (touched.motion)
+    if (touched.motion || touched.camera) // a ground reaches beyond the camera
         for (Index i = 0; i < next.objects.size(); ++i)
             if (!isSameMotion(ready_->scene().objects[i], next.objects[i]))
                 ready_->setMotion(i, std::move(next.objects[i].deformers), std::move(next.objects[i].placement));

@@ -1,7 +1,8 @@
 #pragma once
 /// A film as the page takes it: linear half floats behind a header of 32-bit words.
 
-#include "taut/render/film.h"
+#include "taut/images/image_settings.h"
+#include "taut/render/image_file.h"
 
 #include <cstdint>
 #include <memory>
@@ -24,9 +25,14 @@ struct PictureLabel {
 };
 
 /// "TAUT", number, version, frame, follows, columns, rows, width, height, samples, wanted, done, channels, milliseconds (a float), two
-/// words of zero: 16 words, little-endian. Then the halves, rows from the top, channels interleaved: R G B A, then those of the film's
-/// first AOV.
-std::string pictureBytes(const Film &film, const PictureLabel &label);
+/// words of zero: 16 words, little-endian. Then the halves, rows from the top, channels interleaved: R G B A, then the image's others.
+/// Those of Cryptomatte, which halves can't hold, are three colours instead: of each id one, by its share.
+std::string pictureBytes(const Image &image, const PictureLabel &label);
+
+/// A view transform without its exposure for the page: halves R G B A, at kViewSteps values of each of R, G and B, R fastest. Step i stands
+/// for the linear value 2^(19 i / (kViewSteps - 1) - 10) - 2^-10.
+inline constexpr int kViewSteps = 65;
+std::string viewTable(const ViewSettings &settings);
 
 struct Picture {
     PictureLabel label;

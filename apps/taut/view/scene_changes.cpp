@@ -1,7 +1,9 @@
 #include "scene_changes.h"
 
+#include "taut/base/file_bytes.h"
 #include "taut/base/frame_set.h"
 #include "taut/formats/gltf.h"
+#include "taut/images/view_transform.h"
 #include "taut/scene/table_reader.h"
 #include "taut/scene/toml_text.h"
 
@@ -40,6 +42,11 @@ void nameCamera(TomlValue &root, const std::string &path, const Scene &scene) {
     TomlValue camera;
     camera.entries.push_back({"gltf", {}, std::move(file)});
     root.entries.push_back({"camera", {}, std::move(camera)});
+}
+
+/// A bare file stands on a ground; a scene file must say so.
+void nameGround(TomlValue &root, const std::string &path, const Scene &scene) {
+    if (lowerExtension(path) != "toml" && scene.render.ground) applyOverride(root, "render.ground=true");
 }
 
 } // namespace
@@ -113,9 +120,23 @@ SceneChanges::SceneChanges(SceneArguments arguments, Warnings &warnings) : argum
         arguments_.overrides.push_back("render.frames=\"" + arguments_.frames + "\"");
     }
     whole_ = loadScene(arguments_.scene, arguments_.overrides, warnings, *cache_, true, budgetOf(arguments_));
-    scene_ = loadScene(arguments_.scene, arguments_.overrides, warnings, *cache_, false);
-    tree_ = treeWith(arguments_.overrides);
+    ground_ = standOnGround(*whole_, warnings);
+    // A camera that is said would lay it down again (ground.h).
+    if (ground_ && ground_->yUp) changed_.emplace_back("mesh.0.up", "\"y\"");
+    const std::vector<std::string> all = overrides();
+    scene_ = loadScene(arguments_.scene, all, warnings, *cache_, false);
+    if (ground_) standOn(*ground_, scene_);
+    const ViewTransform trial(scene_.image.view);
+    tree_ = treeWith(all);
     touched_.everything = true;
+}
+
+/// Where surfaces stay where they are, and the camera is not framed by them, all points need not be looked at again.
+std::optional<Ground> SceneChanges::groundFor(const Scene &scene, const Touched &touched) const {
+    if (!ground_ || touched.everything || touched.motion || (touched.camera && scene.unsaid.camera)) return groundOf(scene);
+    std::optional<Ground> ground = ground_;
+    widen(scene, *ground);
+    return ground;
 }
 
 TomlValue SceneChanges::treeWith(const std::vector<std::string> &overrides) const {
@@ -183,8 +204,12 @@ nlohmann::json SceneChanges::apply(const nlohmann::json &changes, int frame) {
     }
     if (next.size() > kMostChanges) failInput({"changes"}, std::to_string(next.size()) + " of them", "at most a thousand");
     const std::vector<std::string> all = joined(arguments_.overrides, next);
+    if (!undo.empty()) whole_.reset();
     Warnings warnings;
     Scene scene = loadScene(arguments_.scene, all, warnings, *cache_, false);
+    if (!(scene.image == scene_.image)) const ViewTransform trial(scene.image.view);
+    ground_ = groundFor(scene, touched);
+    if (ground_) standOn(*ground_, scene);
     tree_ = treeWith(all);
     scene_ = std::move(scene);
     changed_ = std::move(next);
@@ -193,18 +218,21 @@ nlohmann::json SceneChanges::apply(const nlohmann::json &changes, int frame) {
 }
 
 Scene SceneChanges::load(const Touched &touched, bool follow) {
-    if (follow && whole_ && changed_.empty()) return *std::exchange(whole_, std::nullopt);
+    if (follow && whole_) return *std::exchange(whole_, std::nullopt);
     whole_.reset();
     std::vector<std::string> all = overrides();
     if (const TomlValue *meshes = follow ? nullptr : tree_.find("mesh"))
         for (std::size_t i = 0; i < meshes->items.size(); ++i) all.push_back("mesh." + std::to_string(i) + ".follow=false");
     Warnings warnings;
-    return loadScene(arguments_.scene, all, warnings, *cache_, touched.everything || touched.environment || touched.lights);
+    Scene scene = loadScene(arguments_.scene, all, warnings, *cache_, touched.everything || touched.environment || touched.lights);
+    if (ground_) standOn(*ground_, scene);
+    return scene;
 }
 
 std::string SceneChanges::sceneText() const {
     TomlValue root = tree_;
     nameCamera(root, arguments_.scene, scene_);
+    nameGround(root, arguments_.scene, scene_);
     std::string text = "# Saved by taut view.\n";
     text += "\n" + tomlText(root);
     return text;

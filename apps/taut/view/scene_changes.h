@@ -3,6 +3,7 @@
 
 #include "live_scene.h"
 
+#include "taut/scene/ground.h"
 #include "taut/scene/load_scene.h"
 
 #include <nlohmann/json.hpp>
@@ -17,7 +18,7 @@ class SceneChanges {
   public:
     using Overrides = std::vector<std::pair<std::string, std::string>>; ///< key, TOML
 
-    /// Reads the scene. Throws InputError.
+    /// Reads the scene and stands it on its ground; where that turns it, it does so by an override. Throws InputError.
     SceneChanges(SceneArguments arguments, Warnings &warnings);
 
     /// Takes changes in, all or none: an array of {"key": "material.brushed.alpha", "value": JSON}, or "text": TOML as after -D key=; null in
@@ -45,11 +46,13 @@ class SceneChanges {
 
   private:
     [[nodiscard]] std::optional<std::string> textOf(const nlohmann::json &change, const std::string &key, const Overrides &so, int frame) const;
+    [[nodiscard]] std::optional<Ground> groundFor(const Scene &scene, const Touched &touched) const;
     [[nodiscard]] TomlValue treeWith(const std::vector<std::string> &overrides) const;
 
     SceneArguments arguments_;
     std::shared_ptr<SceneCache> cache_ = makeSceneCache();
     Overrides changed_;
+    std::optional<Ground> ground_; ///< of scene_
     std::optional<Scene> whole_; ///< as it was first read, with its environment, until somebody wants it
     Scene scene_;
     TomlValue tree_;

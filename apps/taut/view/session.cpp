@@ -1,11 +1,14 @@
 #include "session.h"
 
+#include "../denoised_image.h"
+#include "../image_output.h"
 #include "inspect.h"
 #include "panel.h"
 
 #include "taut/base/file_bytes.h"
 #include "taut/images/image_codec.h"
-#include "taut/render/image_file.h"
+#include "taut/images/view_transform.h"
+#include "taut/render/light_groups.h"
 
 #include <algorithm>
 #include <array>
@@ -23,6 +26,12 @@ using Json = nlohmann::json;
 /// How long a request for a picture waits for a new one.
 constexpr auto kPatience = std::chrono::seconds(20);
 constexpr std::size_t kMostWaiters = 32;
+
+/// The scene's exposure and view, and whether the page has that by itself.
+Json imageJson(const ViewSettings &view) {
+    const ViewTransform transform(view);
+    return {{"exposure", view.exposure}, {"view", transform.view()}, {"own", transform.isOwnFormula()}};
+}
 
 } // namespace
 
@@ -62,19 +71,18 @@ Json ViewSession::change(const Json &request) {
     std::string channel = channel_;
     if (request.contains("channel")) {
         channel = request["channel"].is_string() ? request["channel"].get<std::string>() : "";
-        if (!channel.empty()) {
-            const std::string_view name = channel;
-            aovsNamed({&name, 1}, "channel");
-        }
+        if (!channel.empty()) filmContentsNamed({&channel, 1}, "channel");
     }
-    if (request.contains("wipe") && !request["wipe"].is_boolean()) failInput({"wipe"}, request["wipe"].type_name(), "true or false");
+    for (const char *name : {"wipe", "denoise"})
+        if (request.contains(name) && !request[name].is_boolean()) failInput({name}, request[name].type_name(), "true or false");
     Json undo = Json::array();
     if (request.contains("changes")) undo = changes_.apply(request["changes"], frame);
     if (const auto &frames = changes_.scene().render.frames; std::find(frames.begin(), frames.end(), frame) == frames.end())
         frame = frames.front(); // they have changed
     frame_ = frame;
     channel_ = channel;
-    if (request.contains("wipe")) wipe_ = request["wipe"].get<bool>();
+    wipe_ = request.value("wipe", wipe_);
+    denoise_ = request.value("denoise", denoise_);
     const Touched touched = changes_.takeTouched();
     fixedTouched_ += touched;
     // What nobody has taken yet is replaced, and must bring all that it would have brought: the first scene its environment.
@@ -92,6 +100,7 @@ Json ViewSession::change(const Json &request) {
         wanted_.version += 1;
         wanted_.frame = frame_;
         wanted_.wipe = wipe_;
+        wanted_.denoise = denoise_;
         wanted_.channel = channel_;
         if (!isNew_) wanted_.since = Clock::now();
         if (scene) wanted_.scene[0] = std::move(scene);
@@ -123,6 +132,9 @@ Json ViewSession::state() {
              {"spp", scene.render.spp},
              {"wipe", wipe_},
              {"channel", channel_},
+             {"denoise", denoise_},
+             {"lights", lightGroupNames(scene)},
+             {"image", imageJson(scene.image.view)},
              {"camera", cameraOf(scene, frame_)},
              {"panel", panelOf(changes_, frame_)},
              {"changes", overrides}};
@@ -157,7 +169,7 @@ void ViewSession::save(const std::string &name, HttpReply reply) {
     if (name.empty() || name.size() > 100 || name.front() == '.' || name.find_first_of("/\\") != std::string::npos ||
         name.find('\0') != std::string::npos || !(scene || isImagePath(name)))
         failInput({"save"}, quoted(name), "a plain file name that ends in .toml, .png or .exr");
-    if (!scene) return post([this, name] { return saveFile(name); }, std::move(reply));
+    if (!scene) return post([this, name, settings = changes_.scene().image] { return saveFile(name, settings); }, std::move(reply));
     const std::string text = changes_.sceneText();
     post(
         [this, name, text] {
@@ -171,19 +183,18 @@ void ViewSession::save(const std::string &name, HttpReply reply) {
         std::move(reply));
 }
 
-Json ViewSession::saveFile(const std::string &name) {
+Json ViewSession::saveFile(const std::string &name, const ImageSettings &settings) {
     const std::string path = (fs::path(changes_.arguments().scene).parent_path() / name).string();
     if (fs::exists(path) && std::find(written_.begin(), written_.end(), path) == written_.end())
         failInput({"save"}, path + ", which is there already", "a new name");
     Stage &stage = stages_[0];
     if (!stage.frame) failInput({"save"}, "no picture yet", "one");
     const Film &film = stage.frame->filmAtRest();
-    writeImage(path, imageOf(film, stage.live.ready().scene().render),
-               {{"taut:version", TAUT_VERSION},
-                {"taut:frame", std::to_string(now_.frame)},
-                {"taut:seed", std::to_string(stage.live.ready().scene().render.seed)},
-                {"taut:spp", std::to_string(film.samples())},
-                {"taut:meanSpp", fmt::format("{:.3f}", film.meanSamples())}});
+    Metadata metadata = frameMetadata(stage.live.ready().scene(), now_.frame, film.layers());
+    const Metadata ofSamples = sampleMetadata(film);
+    metadata.insert(metadata.end(), ofSamples.begin(), ofSamples.end());
+    if (stage.denoised) markDenoised(metadata, false);
+    writeImage(path, stage.denoised ? *stage.denoised : imageOf(film, stage.live.ready().scene().render), metadata, settings);
     written_.push_back(path);
     return {{"path", path}, {"samples", film.samples()}};
 }
@@ -200,12 +211,6 @@ void ViewSession::post(std::function<Json()> task, HttpReply reply) {
 /// With the lock held: what renders looks up.
 void ViewSession::interrupt() {
     if (running_ != nullptr) running_->stop();
-}
-
-std::vector<Aov> ViewSession::aovs() const {
-    if (now_.channel.empty()) return {};
-    const std::string_view name = now_.channel;
-    return aovsNamed({&name, 1}, "channel");
 }
 
 } // namespace taut::app

@@ -31,8 +31,10 @@ class ViewSession {
 
     /// What there is to know for a page: docs/view.md lists it.
     nlohmann::json state();
-    /// {"changes": [...], "frame": N, "wipe": bool, "channel": "stretch"}, each where it changes; state(), with "undo". Throws InputError.
+    /// {"changes": [...], "frame": N, "wipe": bool, "channel": "stretch", "denoise": bool}, each where it changes; state(), with "undo". Throws InputError.
     nlohmann::json change(const nlohmann::json &request);
+    /// The scene's view transform (viewTable).
+    [[nodiscard]] std::string viewOfScene() const { return viewTable(changes_.scene().image.view); }
     /// Replies with the newest picture as soon as its number is beyond `after`; 204 where that takes long.
     void picture(bool follows, std::uint32_t after, HttpReply reply);
     /// Runs between two samples of the picture, on the thread that renders.
@@ -51,6 +53,8 @@ class ViewSession {
         bool follows = true;
         int number = 0;      ///< of the frame under way
         std::string channel{}; ///< of it
+        bool denoise = false;  ///< whether it keeps what that takes
+        std::optional<Image> denoised{}; ///< once it is whole
         int shown = 0;       ///< samples of the last picture
         bool done = false;   ///< the last picture is whole and planned for
     };
@@ -58,6 +62,7 @@ class ViewSession {
         std::uint32_t version = 0;
         int frame = 1;
         bool wipe = false;
+        bool denoise = false;
         std::string channel;
         std::optional<Scene> scene[2]; ///< following, held fixed: those that changed
         Touched touched[2];
@@ -88,13 +93,15 @@ class ViewSession {
     [[nodiscard]] bool isOutdated();
     void interrupt();
     void post(std::function<nlohmann::json()> task, HttpReply reply);
-    nlohmann::json saveFile(const std::string &name);
-    [[nodiscard]] std::vector<Aov> aovs() const;
+    nlohmann::json saveFile(const std::string &name, const ImageSettings &settings);
+    [[nodiscard]] Image imageOfStage(Stage &stage, const Film &film, bool whole) const;
+    [[nodiscard]] FrameOptions optionsOf(const RenderSettings &render) const;
 
     // The server's thread.
     SceneChanges changes_;
     int frame_ = 1;
     bool wipe_ = false;
+    bool denoise_ = false;
     std::string channel_;
     Touched fixedTouched_; ///< since the scene held fixed was last read
     std::string id_ = randomToken();

@@ -2,6 +2,8 @@
 
 #include "session.h"
 
+#include "../denoised_image.h"
+
 #include <algorithm>
 #include <iostream>
 
@@ -40,6 +42,7 @@ bool ViewSession::takeWanted() {
     now_.version = wanted_.version;
     now_.frame = wanted_.frame;
     now_.wipe = wanted_.wipe;
+    now_.denoise = wanted_.denoise;
     now_.channel = wanted_.channel;
     now_.since = wanted_.since;
     for (int i = 0; i < 2; ++i) {
@@ -77,7 +80,7 @@ void ViewSession::beginVersion() {
             stage.frame.reset();
             continue;
         }
-        if (stage.frame && !now_.scene[i] && stage.number == now_.frame && stage.channel == now_.channel) { // it goes on
+        if (stage.frame && !now_.scene[i] && stage.number == now_.frame && stage.channel == now_.channel && stage.denoise == now_.denoise) { // it goes on
             if (stage.done) show(stage, stage.frame->filmAtRest(), true);
             continue;
         }
@@ -86,6 +89,7 @@ void ViewSession::beginVersion() {
         now_.scene[i].reset();
         stage.number = now_.frame;
         stage.channel = now_.channel;
+        stage.denoise = now_.denoise;
         stage.shown = 0;
         stage.done = false;
         stage.live.ready().setFrame(now_.frame);
@@ -96,12 +100,22 @@ void ViewSession::beginVersion() {
 }
 
 /// As `taut render` does it.
-void ViewSession::beginFrame(Stage &stage) {
-    const RenderSettings &render = stage.live.ready().scene().render;
+FrameOptions ViewSession::optionsOf(const RenderSettings &render) const {
     FrameOptions options;
     options.spp = render.spp;
     options.seed = frameSeed(render.seed, now_.frame, render.fixedSeed);
-    options.aovs = aovs();
+    if (now_.channel.empty()) return options;
+    FilmContents contents = filmContentsNamed({&now_.channel, 1}, "channel");
+    options.aovs = std::move(contents.aovs);
+    options.layers = std::move(contents.layers);
+    return options;
+}
+
+void ViewSession::beginFrame(Stage &stage) {
+    const RenderSettings &render = stage.live.ready().scene().render;
+    FrameOptions options = optionsOf(render);
+    if (stage.denoise) options.denoiseBlock = denoiseBlockOf(render.spp, true);
+    stage.denoised.reset();
     stage.frame = std::make_unique<FrameRender>(stage.live.ready(), options);
 }
 
@@ -113,10 +127,8 @@ void ViewSession::coarse(Stage &stage) {
     const int height = render.height;
     const auto start = Clock::now();
     ready.setSize((width + coarseness_ - 1) / coarseness_, (height + coarseness_ - 1) / coarseness_);
-    FrameOptions options;
+    FrameOptions options = optionsOf(render);
     options.spp = 1;
-    options.seed = frameSeed(render.seed, now_.frame, render.fixedSeed);
-    options.aovs = aovs();
     const FrameResult result = renderFrame(ready, options);
     ready.setSize(width, height);
     show(stage, result.film, false);
@@ -175,6 +187,22 @@ bool ViewSession::settle() {
     return again;
 }
 
+/// What is seen of a film. The whole picture is denoised, where that is asked for, once.
+Image ViewSession::imageOfStage(Stage &stage, const Film &film, bool whole) const {
+    Image image = imageOf(film, stage.live.ready().scene().render);
+    if (!whole || !stage.denoise) return image;
+    if (!stage.denoised) {
+        FrameDenoiser denoiser(false);
+        stage.denoised = image;
+        addDenoised(film, denoiser, *stage.denoised);
+    }
+    const std::size_t stride = stage.denoised->channels.size();
+    const std::size_t plain = image.channels.size();
+    for (std::size_t i = 0; i * plain < image.values.size(); ++i)
+        for (std::size_t c = 0; c < 3; ++c) image.values[i * plain + c] = stage.denoised->values[i * stride + c];
+    return image;
+}
+
 void ViewSession::show(Stage &stage, const Film &film, bool whole) {
     const RenderSettings &render = stage.live.ready().scene().render;
     Picture picture;
@@ -195,7 +223,7 @@ void ViewSession::show(Stage &stage, const Film &film, bool whole) {
         const std::lock_guard lock(mutex_);
         label.number = ++number_;
     }
-    picture.bytes = pictureBytes(film, label);
+    picture.bytes = pictureBytes(imageOfStage(stage, film, whole), label);
     bool allDone = whole;
     for (const Stage &other : stages_) allDone = allDone && (!other.frame || other.done);
     const std::lock_guard lock(mutex_);

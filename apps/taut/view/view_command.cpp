@@ -1,11 +1,13 @@
 /// taut view: the scene in a browser, refined while one turns it. Documented in docs/view.md.
 
 #include "../commands.h"
+#include "../image_arguments.h"
 #include "../interruption.h"
 #include "session.h"
 #include "view_page.h"
 
 #include "taut/base/file_bytes.h"
+#include "taut/scene/toml_text.h"
 
 #include <fcntl.h>
 #include <spawn.h>
@@ -29,9 +31,11 @@ using Json = nlohmann::json;
 struct ViewArguments {
     SceneArguments scene;
     ModelArguments model;
+    ImageArguments image;
     std::string host = "127.0.0.1";
     int port = 0;
     std::string tokenFile;
+    bool noGround = false;
     bool noOpen = false;
 };
 
@@ -85,6 +89,7 @@ class ViewApi {
         for (const PageFile &file : pageFiles())
             if (file.name == name) return reply({200, std::string(file.type), std::string(file.text)}), true;
         const auto query = queryOf(request.query);
+        if (request.path == "view") return reply({200, kPictureType, session_.viewOfScene()}), true;
         if (request.path == "state") return reply(json(session_.state())), true;
         if (request.path == "picture")
             return session_.picture(numberOf<int>(query, "follows") != 0, numberOf<std::uint32_t>(query, "after"), reply), true;
@@ -141,6 +146,19 @@ void openBrowser(const std::string &url) {
     posix_spawn_file_actions_destroy(&actions);
 }
 
+/// What options say of [image], as overrides: so what is saved says it too.
+void addOverrides(const ImageArguments &image, std::vector<std::string> &overrides) {
+    if (image.exposure) overrides.push_back("image.exposure=" + formatNumber(*image.exposure));
+    const std::string config = image.config.empty() ? "" : std::filesystem::absolute(image.config).string();
+    for (const auto &[key, text] : {std::pair("view", image.view), std::pair("ocio", config), std::pair("display", image.display),
+                                    std::pair("space", image.space), std::pair("look", image.look)}) {
+        TomlValue value;
+        value.kind = TomlValue::Kind::String;
+        value.text = text;
+        if (!text.empty()) overrides.push_back(std::string("image.") + key + "=" + tomlInline(value));
+    }
+}
+
 int view(const ViewArguments &arguments) {
     if (arguments.model.error) failInput({"--error"}, "a view, whose pictures go on to the scene's samples", "--tolerance, for the models alone");
     const auto threads = limitThreads(arguments.scene.threads);
@@ -151,7 +169,10 @@ int view(const ViewArguments &arguments) {
     ViewApi *api = nullptr;
     HttpServer server(options, [&](const HttpRequest &request, const HttpReply &reply) { api->answer(request, reply); });
     Warnings warnings;
-    ViewSession session(arguments.scene, arguments.model, warnings);
+    SceneArguments scene = arguments.scene;
+    if (arguments.noGround) scene.overrides.emplace_back("render.ground=false");
+    addOverrides(arguments.image, scene.overrides);
+    ViewSession session(scene, arguments.model, warnings);
     printWarnings(warnings);
     ViewApi answers(session, [&] { server.stopSoon(); });
     api = &answers;
@@ -172,10 +193,12 @@ void addView(CLI::App &parent, Run &run) {
     CLI::App *command = parent.add_subcommand("view", "Look at a scene in the browser while turning it");
     addSceneArguments(*command, arguments->scene);
     addModelArguments(*command, arguments->model);
+    addViewArguments(*command, arguments->image);
     command->add_option("--port", arguments->port, "Of the page's address (default: one that is free)")->check(CLI::Range(0, 65535));
     command->add_option("--host", arguments->host, "Address to listen at (default: 127.0.0.1: this machine alone)");
     command->add_option("--token-file", arguments->tokenFile,
                         "File with the secret of the page's address, made if it is not there: with --port the address stays");
+    command->add_flag("--no-ground", arguments->noGround, "A file without a scene stands on no ground: the mesh alone in the dim studio");
     command->add_flag("--no-open", arguments->noOpen, "Only print the address");
     command->callback([&run, arguments] { run = [arguments] { return view(*arguments); }; });
 }

@@ -39,6 +39,9 @@ class ViewTransform {
 
     /// Whether what the display is sent is encoded as sRGB.
     [[nodiscard]] bool isSrgb() const;
+    /// Its name, and whether it is one of "standard" and "filmic", whose formulas are above, and no configuration's.
+    [[nodiscard]] const std::string &view() const { return view_; }
+    [[nodiscard]] bool isOwnFormula() const { return kind_ != Kind::OpenColorIo; }
     /// What is applied, for the metadata of a picture; empty: nothing but the encoding of sRGB.
     [[nodiscard]] const std::vector<std::pair<std::string, std::string>> &applied() const { return applied_; }
 

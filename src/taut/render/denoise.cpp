@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace taut {
 
@@ -35,17 +36,25 @@ void forPixels(const DenoisePixels &p, const auto &use) {
     parallelFor(p.count(), 4096, use);
 }
 
+/// A hundredth of the square of a picture's mean light: darker places count no more.
+float darkestOf(const Film &film) {
+    const Window &window = film.window();
+    std::vector<double> rows(static_cast<std::size_t>(window.height()));
+    parallelFor(rows.size(), 16, [&](std::size_t row) {
+        const int y = window.y0 + static_cast<int>(row);
+        for (int x = window.x0; x < window.x1; ++x)
+            for (std::size_t c = 0; c < 3; ++c) rows[row] += film.sumAt(x, y, c).value() / std::max(1U, film.samplesAt(x, y));
+    });
+    const double light = std::accumulate(rows.begin(), rows.end(), 0.0) / (3.0 * window.width() * window.height());
+    return static_cast<float>(0.01 * light * light + 1e-30);
+}
+
 /// What errors are relative to: the square of the light around a pixel.
-Plane brightnessOf(const DenoisePixels &p, const ColourPlanes &colour) {
+Plane brightnessOf(const DenoisePixels &p, const ColourPlanes &colour, float darkest) {
     Plane light(p.count());
-    double sum = 0;
-    for (std::size_t i = 0; i < light.size(); ++i) {
-        light[i] = (colour[0][i] + colour[1][i] + colour[2][i]) / 3;
-        sum += static_cast<double>(light[i]);
-    }
+    forPixels(p, [&](std::size_t i) { light[i] = (colour[0][i] + colour[1][i] + colour[2][i]) / 3; });
     boxMean(light, p.width, p.height, 1);
-    const auto floor = static_cast<float>(0.01 * sum * sum / std::max(1.0, static_cast<double>(light.size() * light.size())) + 1e-30);
-    for (float &l : light) l = l * l + floor;
+    forPixels(p, [&](std::size_t i) { light[i] = light[i] * light[i] + darkest; });
     return light;
 }
 
@@ -211,12 +220,9 @@ int denoiseBlockOf(int samples, bool known) {
     return known ? std::max(1, samples / 2) : kBlockOfUnknown;
 }
 
-Denoised denoise(const Film &film) {
-    return denoise(denoisePixelsOf(film));
-}
+namespace {
 
-Denoised denoise(const DenoisePixels &pixels) {
-    if (pixels.count() == 0) return {};
+Denoised filtered(const DenoisePixels &pixels, float darkest) {
 #ifdef TAUT_OPEN_IMAGE_DENOISE
     const bool own = false;
     Regressed first = openImageDenoise(pixels);
@@ -226,7 +232,7 @@ Denoised denoise(const DenoisePixels &pixels) {
 #endif
     holdToSamples(pixels, first);
     const Guide guide = guideOf(pixels, first);
-    const Plane brightness = brightnessOf(pixels, guide.colour);
+    const Plane brightness = brightnessOf(pixels, guide.colour, darkest);
     const Plane shared = sharedVariance(pixels, first, brightness);
     Blend blend(pixels, brightness, shared);
     blend.add(first);
@@ -237,6 +243,38 @@ Denoised denoise(const DenoisePixels &pixels) {
             blend.add(other);
         }
     return std::move(blend).finish();
+}
+
+} // namespace
+
+/// A figure before nothing is a part of the picture: the rest is known, and takes no time.
+Denoised denoise(const Film &film) {
+    const Window &window = film.window();
+    const Window part = noisyPart(film);
+    Denoised whole;
+    if (window.empty()) return whole;
+    if (part == window) return filtered(denoisePixelsOf(film, window), darkestOf(film));
+    const auto width = static_cast<std::size_t>(window.width());
+    const std::size_t count = width * static_cast<std::size_t>(window.height());
+    whole.rgb.resize(3 * count);
+    whole.error.resize(count);
+    parallelFor(static_cast<std::size_t>(window.height()), 16, [&](std::size_t row) {
+        const int y = window.y0 + static_cast<int>(row);
+        for (std::size_t x = 0; x < width; ++x)
+            for (std::size_t c = 0; c < 3; ++c)
+                whole.rgb[3 * (row * width + x) + c] = static_cast<float>(film.sumAt(window.x0 + static_cast<int>(x), y, c).value() /
+                                                                          film.samplesAt(window.x0 + static_cast<int>(x), y));
+    });
+    if (part.empty()) return whole;
+    const Denoised own = filtered(denoisePixelsOf(film, part), darkestOf(film));
+    const auto across = static_cast<std::size_t>(part.width());
+    for (int y = part.y0; y < part.y1; ++y) {
+        const std::size_t from = static_cast<std::size_t>(y - part.y0) * across;
+        const std::size_t to = static_cast<std::size_t>(y - window.y0) * width + static_cast<std::size_t>(part.x0 - window.x0);
+        std::copy_n(&own.rgb[3 * from], 3 * across, &whole.rgb[3 * to]);
+        std::copy_n(&own.error[from], across, &whole.error[to]);
+    }
+    return whole;
 }
 
 } // namespace taut

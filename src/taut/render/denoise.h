@@ -18,9 +18,6 @@ struct Denoised {
 /// Of a film that keeps sums for denoising (FrameOptions::denoiseBlock). Throws InputError of another.
 Denoised denoise(const Film &film);
 
-struct DenoisePixels;
-Denoised denoise(const DenoisePixels &pixels);
-
 /// The block of a film's halves (denoise_sums.h) for so many samples a pixel; `known`: there will be exactly so many.
 int denoiseBlockOf(int samples, bool known);
 

@@ -178,6 +178,7 @@ PixelFeatures FeatureMeans::rounded(bool edge) const {
     f.edge = edge ? 1 : 0;
     f.covered = share(covered_);
     f.met = share(met_);
+    if (surfaces_.empty()) return f;
     double hits = 0;
     double moving = 0;
     std::array<double, kDenoiseFeatures> sums{};
@@ -190,7 +191,6 @@ PixelFeatures FeatureMeans::rounded(bool edge) const {
         for (std::size_t i = 0; i < kDepth; ++i) squares[i] += of * s.squares[i];
     }
     f.moving = share(moving);
-    if (hits == 0) return f;
     double noise[2] = {0, 0};
     for (int i = 0; i < kMotion; ++i) {
         const auto k = static_cast<std::size_t>(i);

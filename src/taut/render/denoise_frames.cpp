@@ -121,8 +121,8 @@ void blend(const DenoisePixels &now, const Older &older, Denoised &picture) {
 
 Denoised FrameDenoiser::next(const Film &film) {
     if (!overFrames_) return denoise(film);
-    DenoisePixels pixels = denoisePixelsOf(film);
-    Denoised picture = denoise(pixels);
+    DenoisePixels pixels = denoisePixelsOf(film, film.window());
+    Denoised picture = denoise(film);
     if (before_ && before_->window == film.window()) blend(pixels, olderPicture(pixels, before_->pixels, before_->picture), picture);
     before_ = std::make_unique<Before>(Before{film.window(), std::move(pixels), picture});
     return picture;

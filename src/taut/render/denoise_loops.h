@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 
 namespace taut::regression {
@@ -116,6 +117,15 @@ TAUT_INLINE void rootsOf(Lanes &v) {
     load(v, s);
 }
 
+/// Whether all are +0.
+TAUT_INLINE bool isNothing(const Lanes &v) {
+    std::uint64_t bits[sizeof v / 8];
+    std::memcpy(bits, &v, sizeof v);
+    std::uint64_t any = 0;
+    for (const std::uint64_t b : bits) any |= b;
+    return any == 0;
+}
+
 /// How much sixteen pixels of a row of a window count, the first of them at (x, y); `near`: for their place alone.
 TAUT_INLINE void weightLoop(const Planes &p, const Centre &c, int x, int y, Lanes &weight, Lanes &near) {
     const std::size_t own = p.at(c.x, c.y);
@@ -188,13 +198,14 @@ TAUT_INLINE void placeLoop(const Planes &p, const Centre &c, int x, Lanes &out) 
     out = __builtin_convertvector(kPlace + (x - c.x), Lanes) * (1 / static_cast<float>(p.radius));
 }
 
-/// A window's columns, regressors and then targets, times the roots of the weights: [columns][kMostRows]. Returns the rows, in lanes.
+/// A window's columns, regressors and then targets, times the roots of the weights: [columns][kMostRows]. Returns the rows, in lanes; those
+/// that count nothing are left out.
 TAUT_INLINE int columnLoop(const Planes &p, const Centre &c, int half, Lanes (*columns)[kMostRows]) {
     const int regressors = p.count();
     const std::size_t own = p.at(c.x, c.y);
     int row = 0;
     for (int y = c.y0; y < c.y1; ++y)
-        for (int x = c.x0; x < c.x1; x += kLanes, ++row) {
+        for (int x = c.x0; x < c.x1; x += kLanes) {
             const std::size_t at = p.at(x, y);
             Lanes root;
             Lanes near;
@@ -204,6 +215,7 @@ TAUT_INLINE int columnLoop(const Planes &p, const Centre &c, int half, Lanes (*c
                 load(share, p.share[half] + at);
                 root *= share;
             }
+            if (isNothing(root)) continue;
             rootsOf(root);
             Lanes u;
             placeLoop(p, c, x, u);
@@ -226,6 +238,7 @@ TAUT_INLINE int columnLoop(const Planes &p, const Centre &c, int half, Lanes (*c
                 load(f, p.targets[t] + at);
                 columns[regressors + t][row] = f * root;
             }
+            ++row;
         }
     return row;
 }
@@ -324,6 +337,21 @@ TAUT_INLINE void predictLoop(const Planes &p, const Centre &c, const float (*fit
             Lanes near;
             weightLoop(p, c, x, y, weight, near);
             const std::size_t at = p.at(x, y);
+            const int inside = std::min(kLanes, p.width - x);
+            const auto addTo = [&](float *to, const Lanes &added) {
+                if (inside == kLanes) {
+                    Lanes sum;
+                    load(sum, to);
+                    store(to, sum + added);
+                } else { // what lies beyond is the next row's
+                    float values[kLanes];
+                    store(values, added);
+                    for (int l = 0; l < inside; ++l) to[l] += values[l];
+                }
+            };
+            addTo(sums[kTargets + 1] + at, near);
+            if (isNothing(weight)) continue;
+            addTo(sums[kTargets] + at, weight);
             Lanes u;
             placeLoop(p, c, x, u);
             const float v = static_cast<float>(y - c.y) * (1 / static_cast<float>(p.radius));
@@ -353,21 +381,8 @@ TAUT_INLINE void predictLoop(const Planes &p, const Centre &c, const float (*fit
                 add(fit[3 + k], f);
             }
             if (p.curved) add(fit[kLinear], u * u);
-            Lanes added[kTargets + 2] = {v0, v1, v2, v3, v4, v5, weight, near};
-            for (int t = 0; t < kTargets; ++t) added[t] = weight * (added[t] > zero ? added[t] : zero);
-            const int inside = std::min(kLanes, p.width - x);
-            for (int t = 0; t < kTargets + 2; ++t) {
-                float *to = sums[t] + at;
-                if (inside == kLanes) {
-                    Lanes sum;
-                    load(sum, to);
-                    store(to, sum + added[t]);
-                } else { // what lies beyond is the next row's
-                    float values[kLanes];
-                    store(values, added[t]);
-                    for (int l = 0; l < inside; ++l) to[l] += values[l];
-                }
-            }
+            const Lanes added[kTargets] = {v0, v1, v2, v3, v4, v5};
+            for (int t = 0; t < kTargets; ++t) addTo(sums[t] + at, weight * (added[t] > zero ? added[t] : zero));
         }
 }
 

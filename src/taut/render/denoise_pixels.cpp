@@ -14,6 +14,11 @@ namespace {
 constexpr int kStratification = 6;
 /// Probes know more of an outline than so many times fewer samples.
 constexpr double kTrustedProbes = 2;
+/// Pixels around the noisy ones that filters look at: nothing there is noisy, and errors are averaged over fewer.
+constexpr int kMargin = 8;
+/// Variances below that share of the square of the mean are rounding.
+constexpr double kRounding = 1e-6;
+constexpr const char *kNoSums = "denoising: found a film without the sums for it, expected one with them";
 /// A pixel is one sample's doing where its variance is so many times the third largest around it, itself included.
 constexpr float kSpike = 16;
 
@@ -64,6 +69,26 @@ Cover coverOf(const Film &film, int x, int y, double n, double second) {
     return cover;
 }
 
+/// Of a pixel's samples, each that of three colours.
+double varianceOf(const DenoiseSums::Pixel &sums, double n, double meanSquares) {
+    const double variance = sums.squares.value() / n - meanSquares;
+    return variance > kRounding * meanSquares ? variance / 3 : 0; // squares are rounded to floats
+}
+
+/// Whether both halves of a pixel's samples, and its probes, saw one thing throughout.
+bool isKnown(const Film &film, int x, int y) {
+    const DenoiseSums &kept = *film.denoiseSums();
+    const DenoiseSums::Pixel &sums = kept.at(x, y);
+    const std::uint32_t samples = film.samplesAt(x, y);
+    if (kept.featuresAt(x, y).edge != 0 || sums.second == 0 || sums.second >= samples) return false;
+    double meanSquares = 0;
+    for (std::size_t c = 0; c < 3; ++c) {
+        const double mean = film.sumAt(x, y, c).value() / samples;
+        meanSquares += mean * mean;
+    }
+    return varianceOf(sums, samples, meanSquares) == 0;
+}
+
 /// `between`: the variance of the mean as the difference of the halves has it, the mean of three colours.
 void readColours(const Film &film, int x, int y, std::size_t i, DenoisePixels &p, Plane &between) {
     const DenoiseSums::Pixel &sums = film.denoiseSums()->at(x, y);
@@ -89,7 +114,7 @@ void readColours(const Film &film, int x, int y, std::size_t i, DenoisePixels &p
             between[i] += static_cast<float>(apart * apart * first * second / (3 * n * n));
         }
     }
-    if (n > 1) p.variance[i] = static_cast<float>(std::max(0.0, sums.squares.value() / n - meanSquares) / (3 * (n - 1)));
+    if (n > 1) p.variance[i] = static_cast<float>(varianceOf(sums, n, meanSquares) / (n - 1));
 }
 
 void readFeatures(const PixelFeatures &f, std::size_t i, DenoisePixels &p) {
@@ -98,6 +123,7 @@ void readFeatures(const PixelFeatures &f, std::size_t i, DenoisePixels &p) {
     p.cover[i] = static_cast<float>(f.covered) / PixelFeatures::kWhole;
     p.edge[i] = f.edge != 0 ? 1.0F : 0.0F;
     p.moving[i] = static_cast<float>(f.moving) / PixelFeatures::kWhole;
+    if (f.met == 0) return; // features are 0
     const auto read = [&](auto &planes, int first) {
         for (std::size_t k = 0; k < planes.size(); ++k) planes[k][i] = f.at(first + static_cast<int>(k));
     };
@@ -205,9 +231,30 @@ void Around::average(Plane &values) const {
                 [&](std::size_t i) { values[i] = p_.edge[i] > 0 ? atEdges[i] / edges_[i] : values[i] / (1 - edges_[i]); });
 }
 
-DenoisePixels denoisePixelsOf(const Film &film) {
-    if (film.denoiseSums() == nullptr) throw InputError("denoising: found a film without the sums for it, expected one with them");
+Window noisyPart(const Film &film) {
+    if (film.denoiseSums() == nullptr) throw InputError(kNoSums);
     const Window &window = film.window();
+    const auto height = static_cast<std::size_t>(std::max(0, window.height()));
+    std::vector<Window> rows(height); // the noisy pixels of each
+    parallelFor(height, 16, [&](std::size_t row) {
+        const int y = window.y0 + static_cast<int>(row);
+        Window &noisy = rows[row];
+        for (int x = window.x0; x < window.x1; ++x) {
+            if (isKnown(film, x, y)) continue;
+            if (noisy.empty()) noisy = {x, y, x + 1, y + 1};
+            noisy.x1 = x + 1;
+        }
+    });
+    Window part;
+    for (const Window &noisy : rows)
+        if (!noisy.empty()) part = part.empty() ? noisy : unionOf(part, noisy);
+    if (part.empty()) return {};
+    return {std::max(window.x0, part.x0 - kMargin), std::max(window.y0, part.y0 - kMargin), std::min(window.x1, part.x1 + kMargin),
+            std::min(window.y1, part.y1 + kMargin)};
+}
+
+DenoisePixels denoisePixelsOf(const Film &film, const Window &window) {
+    if (film.denoiseSums() == nullptr) throw InputError(kNoSums);
     DenoisePixels p;
     p.width = std::max(0, window.width());
     p.height = std::max(0, window.height());

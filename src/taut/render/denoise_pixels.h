@@ -50,8 +50,10 @@ class Around {
     Plane edges_; ///< share of the pixels around
 };
 
-/// Throws InputError where the film keeps no sums for denoising.
-DenoisePixels denoisePixelsOf(const Film &film);
+/// The rectangle of a film's window that holds the pixels which are not known exactly, and some around them; empty: all are known.
+Window noisyPart(const Film &film);
+/// Of the pixels of a part of the film's window. Throws InputError where the film keeps no sums for denoising.
+DenoisePixels denoisePixelsOf(const Film &film, const Window &part);
 
 /// Mean over the pixels of the square window of this radius that lie in the picture.
 void boxMean(Plane &plane, int width, int height, int radius);

@@ -16,6 +16,7 @@ namespace taut {
 namespace {
 
 constexpr int kDetailed = 4; ///< probes of a pixel that sees a texture
+constexpr int kFaceted = 8;  ///< where facets of one surface meet: how it turns, there is no cover to know
 constexpr int kBlurred = 8;  ///< where what a pixel sees is left to chance: by lens, shutter or opacity
 /// Neighbouring pixels see different surfaces where cosines of facets are below, or distances further apart.
 constexpr float kSameFacet = 0.9F, kSameDepth = 0.1F;
@@ -50,14 +51,14 @@ class PathTracer::State::Probes {
     void run(const auto &use) {
         lookAround();
         std::vector<FeatureMeans> means(static_cast<std::size_t>(tile_.width()) * static_cast<std::size_t>(tile_.height()));
-        std::vector<int> wanted(means.size());
+        std::vector<Wanted> wanted(means.size());
         FeatureMeans one;
         const auto placeOf = [&](int x, int y) { return static_cast<std::size_t>((y - tile_.y0) * tile_.width() + x - tile_.x0); };
         for (int y = tile_.y0; y < tile_.y1; ++y)
             for (int x = tile_.x0; x < tile_.x1; ++x) {
                 const std::size_t i = placeOf(x, y);
                 wanted[i] = probesOf(x, y);
-                if (wanted[i] != 1) continue;
+                if (wanted[i].probes != 1) continue;
                 one.clear();
                 add(ringPlace(x, y), one);
                 use(x, y, one.rounded(false));
@@ -70,14 +71,14 @@ class PathTracer::State::Probes {
         };
         for (int y = tile_.y0; y < tile_.y1; ++y)
             for (int x = tile_.x0; x < tile_.x1; ++x)
-                for (int probe = 0; wanted[placeOf(x, y)] > 1 && probe < wanted[placeOf(x, y)]; ++probe) {
+                for (int probe = 0; wanted[placeOf(x, y)].probes > 1 && probe < wanted[placeOf(x, y)].probes; ++probe) {
                     start(x, y, probe);
                     if (s_.paths.size() >= kMostProbes) finish();
                 }
         finish();
         for (int y = tile_.y0; y < tile_.y1; ++y)
             for (int x = tile_.x0; x < tile_.x1; ++x)
-                if (const int count = wanted[placeOf(x, y)]; count > 1) use(x, y, means[placeOf(x, y)].rounded(count == edgeProbes_));
+                if (const Wanted &own = wanted[placeOf(x, y)]; own.probes > 1) use(x, y, means[placeOf(x, y)].rounded(own.edge));
     }
 
   private:
@@ -87,6 +88,12 @@ class PathTracer::State::Probes {
         bool detailed = false;
         Vec3 facet{0}; ///< unit
         float distance = 0;
+    };
+
+    /// Of a pixel, and whether surfaces or facets end there.
+    struct Wanted {
+        int probes = 1;
+        bool edge = false;
     };
 
     static constexpr std::size_t kMostProbes = 1024;
@@ -149,19 +156,22 @@ class PathTracer::State::Probes {
         }
     }
 
-    [[nodiscard]] static bool areAlike(const Seen &a, const Seen &b) {
+    [[nodiscard]] static bool areOneSurface(const Seen &a, const Seen &b) {
         if (a.object != b.object) return false;
         if (a.object == kNone || a.object == kLight) return true;
-        return glm::dot(a.facet, b.facet) >= kSameFacet &&
-               std::fabs(a.distance - b.distance) <= kSameDepth * std::min(a.distance, b.distance);
+        return std::fabs(a.distance - b.distance) <= kSameDepth * std::min(a.distance, b.distance);
     }
 
-    [[nodiscard]] int probesOf(int x, int y) const {
+    [[nodiscard]] Wanted probesOf(int x, int y) const {
         const Seen &own = seen_[ringPlace(x, y)];
+        Wanted wanted{isBlurred_ ? kBlurred : own.detailed ? kDetailed : 1};
         for (int v = std::max(ring_.y0, y - 1); v < std::min(ring_.y1, y + 2); ++v)
-            for (int u = std::max(ring_.x0, x - 1); u < std::min(ring_.x1, x + 2); ++u)
-                if (!areAlike(own, seen_[ringPlace(u, v)])) return edgeProbes_;
-        return isBlurred_ ? kBlurred : own.detailed ? kDetailed : 1;
+            for (int u = std::max(ring_.x0, x - 1); u < std::min(ring_.x1, x + 2); ++u) {
+                const Seen &other = seen_[ringPlace(u, v)];
+                if (!areOneSurface(own, other)) return {edgeProbes_, true};
+                if (own.object != kNone && own.object != kLight && glm::dot(own.facet, other.facet) < kSameFacet) wanted = {kFaceted, true};
+            }
+        return wanted;
     }
 
     /// Ray `i` tells what it meets.
@@ -192,6 +202,7 @@ void PathTracer::State::probeTile(const Window &tile, const FilmAccess &access, 
     }
     const std::uint32_t seed = std::exchange(settings.seed, kProbeSeed);
     std::vector<std::pair<glm::ivec2, PixelFeatures>> features;
+    features.reserve(static_cast<std::size_t>(tile.width()) * static_cast<std::size_t>(tile.height()));
     Probes(*this, tile, sums.block()).run([&](int x, int y, const PixelFeatures &told) { features.emplace_back(glm::ivec2(x, y), told); });
     settings.seed = seed;
     cameraLanes->centred = false;

@@ -76,10 +76,12 @@ DenoiseSums::DenoiseSums(const Window &window, int block) : window_(window), blo
 
 void DenoiseSums::add(int x, int y, std::uint32_t sample, const Vec3 &radiance, bool covered) {
     Pixel &pixel = pixels_[pixelAt(x, y)];
-    pixel.squares.add(glm::dot(radiance, radiance));
+    const bool isDark = radiance == Vec3(0); // nothing to add: most samples before nothing
+    if (!isDark) pixel.squares.add(glm::dot(radiance, radiance));
     if (!inSecondHalf(x, y, sample)) return;
     ++pixel.second;
     pixel.covered += covered ? 1 : 0;
+    if (isDark) return;
     for (int c = 0; c < 3; ++c) pixel.half[static_cast<std::size_t>(c)].add(radiance[c]);
 }
 

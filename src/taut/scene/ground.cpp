@@ -102,7 +102,7 @@ void lookAt(const Scene &scene, const std::vector<Object> &objects, Framing &fra
 }
 
 /// A disc of radius 1 about the origin that faces +z. Rings from kSolidRadii / kWholeRadii outwards fade; they are slot 1.
-std::shared_ptr<const Mesh> discMesh(double solid) {
+std::shared_ptr<const Mesh> makeDisc(double solid) {
     auto mesh = std::make_shared<Mesh>();
     mesh->name = kName;
     mesh->materialNames = {"solid", "fading"};
@@ -133,6 +133,12 @@ std::shared_ptr<const Mesh> discMesh(double solid) {
     return mesh;
 }
 
+/// Scenes of one file share the mesh.
+const std::shared_ptr<const Mesh> &discMesh() {
+    static const std::shared_ptr<const Mesh> disc = makeDisc(kSolidRadii / kWholeRadii);
+    return disc;
+}
+
 Index addMaterial(Scene &scene, bool fading) {
     Material material;
     material.name = fading ? "ground, fading" : kName;
@@ -156,7 +162,7 @@ std::string freeName(const Scene &scene) {
 } // namespace
 
 std::optional<Ground> groundOf(const Scene &scene) {
-    if (!scene.unsaid.scene) return std::nullopt;
+    if (!scene.render.ground) return std::nullopt;
     const double first = scene.render.frames.front();
     const double tanVertical = std::tan(0.5 * scene.camera.fovY.at(first));
     Framing framing(tanVertical * scene.render.width / scene.render.height, tanVertical);
@@ -171,10 +177,8 @@ std::optional<Ground> groundOf(const Scene &scene) {
     ground.position = framing.position();
     ground.lookAt = ground.position - glm::dot(ground.position - centre, kTowardsCamera) * kTowardsCamera;
     ground.centre = DVec2(centre);
-    const DVec3 eye =
-        scene.unsaid.camera ? ground.position : DVec3(cameraAtFrame(scene.camera, first, scene.render.fps).worldFromCamera[3]);
-    const double distance = glm::length(DVec2(eye) - ground.centre);
-    ground.radius = std::max(kWholeRadii * radius, kCameraDistances * distance);
+    ground.seenRadius = radius;
+    widen(scene, ground);
     // Far from the origin the gap is no less than what floats tell apart there.
     const double coarse = 4 * static_cast<double>(std::numeric_limits<float>::epsilon()) *
                           glm::length(glm::max(glm::abs(framing.bounds.lower), glm::abs(framing.bounds.upper)));
@@ -182,11 +186,26 @@ std::optional<Ground> groundOf(const Scene &scene) {
     return ground;
 }
 
+void widen(const Scene &scene, Ground &ground) {
+    const double first = scene.render.frames.front();
+    const DVec3 eye =
+        scene.unsaid.camera ? ground.position : DVec3(cameraAtFrame(scene.camera, first, scene.render.fps).worldFromCamera[3]);
+    ground.radius = std::max(kWholeRadii * ground.seenRadius, kCameraDistances * glm::length(DVec2(eye) - ground.centre));
+}
+
+std::optional<Ground> standOnGround(Scene &scene, Warnings &warnings) {
+    const std::optional<Ground> ground = groundOf(scene);
+    if (!ground) return ground;
+    standOn(*ground, scene);
+    if (ground->yUp) warnings.add(scene.path + ": y is taken for up, so that it stands (-D mesh.0.up=z: as it lies)");
+    return ground;
+}
+
 void standOn(const Ground &ground, Scene &scene) {
     if (ground.yUp) scene.objects.front().placement.worldFromUp = kWorldFromYUp;
     Object object;
     object.name = freeName(scene);
-    object.mesh = discMesh(kSolidRadii / kWholeRadii);
+    object.mesh = discMesh();
     object.materials = {addMaterial(scene, false), addMaterial(scene, true)};
     object.placement.translation = Keyed<DVec3>(DVec3(ground.centre, ground.height));
     object.placement.scale = Keyed<DVec3>(DVec3(ground.radius));

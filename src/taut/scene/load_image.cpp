@@ -34,4 +34,14 @@ void loadImage(LoadContext &context, const TomlValue &section) {
     table.finish();
 }
 
+ImageSettings readImageSettings(const TomlValue &section, ImageSettings settings, const std::string &folder) {
+    Warnings warnings;
+    SceneCache cache;
+    LoadContext context(warnings, cache);
+    context.folder = folder;
+    context.scene.image = std::move(settings);
+    loadImage(context, section);
+    return context.scene.image;
+}
+
 } // namespace taut

@@ -90,7 +90,8 @@ void setClipFrames(const TomlValue &asked, Scene &scene) {
     std::iota(scene.render.frames.begin(), scene.render.frames.end(), 1);
 }
 
-Scene load(SceneTree tree, const std::vector<std::string> &overrides, Warnings &warnings, SceneCache &cache, bool environment,
+/// `bare`: the tree stands for a mesh or glTF file alone.
+Scene load(SceneTree tree, const std::vector<std::string> &overrides, Warnings &warnings, SceneCache &cache, bool environment, bool bare,
            std::shared_ptr<Budget> budget) {
     for (const std::string &text : overrides) applyOverride(tree.root, text);
 
@@ -98,6 +99,7 @@ Scene load(SceneTree tree, const std::vector<std::string> &overrides, Warnings &
     context.folder = std::move(tree.folder);
     context.given = std::move(tree.meshes);
     context.scene.path = tree.name;
+    context.scene.render.ground = bare;
     context.scene.budget = cache.memory ? std::make_shared<Budget>(*cache.memory) : budget ? std::move(budget) : std::make_shared<Budget>();
     TableReader table(tree.root, "with the sections of a scene", {"render", "image", "camera", "environment", "light", "material", "mesh"});
     if (const TomlValue *section = table.find("render")) loadRender(context, *section);
@@ -138,9 +140,9 @@ std::shared_ptr<SceneCache> makeSceneCache() {
 Scene loadScene(const std::string &path, const std::vector<std::string> &overrides, Warnings &warnings, SceneCache &cache, bool environment,
                 std::shared_ptr<Budget> budget) {
     SceneTree tree{readRoot(path), path, std::filesystem::path(path).parent_path().string(), {}};
-    Scene scene = load(std::move(tree), overrides, warnings, cache, environment, std::move(budget));
-    scene.unsaid.scene = lowerExtension(path) != "toml";
-    if (!scene.unsaid.scene) scene.inputs.insert(path);
+    const bool bare = lowerExtension(path) != "toml";
+    Scene scene = load(std::move(tree), overrides, warnings, cache, environment, bare, std::move(budget));
+    if (!bare) scene.inputs.insert(path);
     return scene;
 }
 
@@ -151,7 +153,7 @@ Scene loadScene(const std::string &path, const std::vector<std::string> &overrid
 
 Scene loadScene(SceneTree tree, const std::vector<std::string> &overrides, Warnings &warnings, std::shared_ptr<Budget> budget) {
     SceneCache cache;
-    return load(std::move(tree), overrides, warnings, cache, true, std::move(budget));
+    return load(std::move(tree), overrides, warnings, cache, true, false, std::move(budget));
 }
 
 } // namespace taut

@@ -48,4 +48,7 @@ struct SceneTree {
 };
 Scene loadScene(SceneTree tree, const std::vector<std::string> &overrides, Warnings &warnings, std::shared_ptr<Budget> budget = nullptr);
 
+/// Image settings with what a table says that is written as a scene file's [image]. Throws InputError. `folder`: its relative paths' start.
+ImageSettings readImageSettings(const TomlValue &section, ImageSettings settings, const std::string &folder);
+
 } // namespace taut

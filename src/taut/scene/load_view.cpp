@@ -49,7 +49,8 @@ void setGltfCamera(Camera &camera, const GltfFile &file, RigMotion motion, Index
 void loadRender(LoadContext &context, const TomlValue &section) {
     RenderSettings &render = context.scene.render;
     TableReader table(section, "[render]",
-                      {"width", "height", "spp", "max_events", "frames", "fps", "seed", "fixed_seed", "filter", "shutter", "motion_steps"});
+                      {"width", "height", "spp", "max_events", "frames", "fps", "seed", "fixed_seed", "filter", "shutter", "motion_steps",
+                       "ground"});
     table.read("width", render.width, integerIn(kImageSide));
     table.read("height", render.height, integerIn(kImageSide));
     table.read("spp", render.spp, integerIn(kSpp));
@@ -61,6 +62,7 @@ void loadRender(LoadContext &context, const TomlValue &section) {
     table.read("shutter", render.shutter, numberIn(kShutter));
     table.read("motion_steps", render.motionSteps, integerIn(kMotionSteps));
     table.read("filter", render.boxFilter, oneOf<bool>({{"blackman-harris", false}, {"box", true}}));
+    table.read("ground", render.ground);
 }
 
 void loadEnvironment(LoadContext &context, const TomlValue &section) {

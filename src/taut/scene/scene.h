@@ -142,6 +142,7 @@ struct RenderSettings {
     double shutter = 0;     ///< how long it is open, in frames; it is centred on the frame. 0: no motion blur
     int motionSteps = 3;    ///< times within the shutter at which everything that moves is evaluated, 2 to 128; linear between them
     bool boxFilter = false; ///< false: Blackman-Harris of radius 1.5 pixels, importance sampled
+    bool ground = false;    ///< pictures of it stand on a ground (ground.h): true of a mesh or glTF file alone, unless it says otherwise
 };
 
 /// What a glTF file of a scene holds, for those who ask.
@@ -155,7 +156,6 @@ struct SceneFile {
 
 /// What a loader filled in because nobody said it: what a ground under a bare file may replace (ground.h).
 struct Unsaid {
-    bool scene = false;  ///< the file is a mesh or glTF file alone
     bool up = false;     ///< no file says which way is up, nor anyone else
     bool camera = false; ///< it is framed
     bool light = false;  ///< it is the built-in studio's

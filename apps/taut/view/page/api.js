@@ -23,6 +23,7 @@ export const state = async () => (await ask('state')).json();
 export const change = (request) => send('change', request);
 export const save = (name) => send('save', { name });
 export const quit = () => send('quit', {});
+export const view = async () => new Uint16Array(await (await ask('view')).arrayBuffer());
 export const inspect = async (x, y) => (await ask(`inspect?x=${x}&y=${y}`)).json();
 
 const kHeaderWords = 16;

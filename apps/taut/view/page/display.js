@@ -13,6 +13,7 @@ precision highp float;
 in vec2 at;
 out vec4 color;
 uniform sampler2D leftImage, rightImage, leftValue, rightValue;
+uniform mediump sampler3D view; // the scene's own: apps/taut/view/picture.h
 uniform float wipe, exposure;
 uniform int transform;
 uniform vec2 range;
@@ -32,6 +33,11 @@ vec3 encoded(vec3 c) {
 vec3 filmic(vec3 c) {
   return clamp(c * (2.51 * c + 0.03) / (c * (2.43 * c + 0.59) + 0.14), 0.0, 1.0);
 }
+vec3 viewed(vec3 c) {
+  float steps = float(textureSize(view, 0).x);
+  vec3 u = (log2(clamp(c, 0.0, 511.0) + exp2(-10.0)) + 10.0) / 19.0;
+  return texture(view, (u * (steps - 1.0) + 0.5) / steps).rgb;
+}
 void main() {
   bool left = at.x < wipe;
   vec4 seen = left ? texture(leftImage, at) : texture(rightImage, at);
@@ -42,6 +48,8 @@ void main() {
   } else if (transform == 2) {
     float stops = log2(max(dot(c, vec3(0.2126, 0.7152, 0.0722)), 1e-6) / 0.18);
     color = vec4(ramp((stops + 6.0) / 12.0), 1.0);
+  } else if (transform == 3) {
+    color = vec4(viewed(c), 1.0);
   } else {
     color = vec4(encoded(transform == 1 ? filmic(c) : c), 1.0);
   }
@@ -80,7 +88,7 @@ export class Display {
     const gl = this.gl;
     this.program = program(gl);
     this.uniforms = Object.fromEntries(
-      ['leftImage', 'rightImage', 'leftValue', 'rightValue', 'wipe', 'exposure', 'transform', 'range', 'falseColours']
+      ['leftImage', 'rightImage', 'leftValue', 'rightValue', 'wipe', 'exposure', 'transform', 'range', 'falseColours', 'view']
         .map((name) => [name, gl.getUniformLocation(this.program, name)]));
     this.textures = [0, 1, 2, 3].map((unit) => {
       const texture = gl.createTexture();
@@ -92,13 +100,27 @@ export class Display {
     });
     gl.pixelStorei(gl.UNPACK_ALIGNMENT, 2);
     this.loaded = [null, null];
+    gl.activeTexture(gl.TEXTURE4);
+    gl.bindTexture(gl.TEXTURE_3D, gl.createTexture());
+    for (const [key, value] of [[gl.TEXTURE_MIN_FILTER, gl.LINEAR], [gl.TEXTURE_MAG_FILTER, gl.LINEAR], [gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE],
+      [gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE], [gl.TEXTURE_WRAP_R, gl.CLAMP_TO_EDGE]]) gl.texParameteri(gl.TEXTURE_3D, key, value);
+    this.takeView(this.view ?? new Uint16Array(4));
   }
 
-  // Pictures on both sides of the wipe; `part` is the channel of false colours.
-  show(left, right, part = this.part ?? 0) {
+  // The scene's view transform, as the server tells it; `transform` 3 shows through it.
+  takeView(table) {
+    const gl = this.gl;
+    this.view = table;
+    const steps = Math.round(Math.cbrt(table.length / 4));
+    gl.activeTexture(gl.TEXTURE4);
+    gl.texImage3D(gl.TEXTURE_3D, 0, gl.RGBA16F, steps, steps, steps, 0, gl.RGBA, gl.HALF_FLOAT, table);
+  }
+
+  // Pictures on both sides of the wipe; `part` is the channel of false colours, or with `isColour` the first of three that are shown.
+  show(left, right, part = this.part ?? 0, isColour = this.isColour ?? false) {
     this.sources = { left, right };
-    const again = part !== this.part;
-    this.part = part;
+    const again = part !== this.part || isColour !== this.isColour;
+    Object.assign(this, { part, isColour });
     if (!left) return;
     if (this.canvas.width !== left.width || this.canvas.height !== left.height) {
       this.canvas.width = left.width;
@@ -121,8 +143,11 @@ export class Display {
       image = new Uint16Array(4 * pixels);
       value = new Uint16Array(pixels);
       for (let i = 0; i < pixels; ++i) {
-        for (let c = 0; c < 4; ++c) image[4 * i + c] = picture.values[picture.channels * i + c];
-        value[i] = picture.values[picture.channels * i + 4 + Math.min(part, picture.channels - 5)];
+        const at = picture.channels * i;
+        const colour = this.isColour && picture.channels >= 7 ? at + 4 + Math.min(part, picture.channels - 7) : at;
+        for (let c = 0; c < 3; ++c) image[4 * i + c] = picture.values[colour + c];
+        image[4 * i + 3] = picture.values[at + 3];
+        value[i] = picture.values[at + 4 + Math.min(part, picture.channels - 5)];
       }
     }
     gl.activeTexture(gl.TEXTURE0 + side);
@@ -140,6 +165,7 @@ export class Display {
     gl.viewport(0, 0, this.canvas.width, this.canvas.height);
     gl.useProgram(this.program);
     ['leftImage', 'rightImage', 'leftValue', 'rightValue'].forEach((name, unit) => gl.uniform1i(u[name], unit));
+    gl.uniform1i(u.view, 4);
     gl.uniform1f(u.wipe, look.wipe);
     gl.uniform1f(u.exposure, look.exposure);
     gl.uniform1i(u.transform, look.transform);

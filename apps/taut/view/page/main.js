@@ -40,16 +40,46 @@ function draw() {
   const [left, right] = sides();
   if (!left) return;
   const two = pressed('compare') || session.state.wipe;
-  const part = Number($('channel').value.split(':')[1] ?? 0);
+  const [name, first, kind] = $('channel').value.split(':');
+  const part = Number(first ?? 0);
+  const isColour = kind === 'colour';
+  const isMatte = isColour && name.startsWith('crypto_'); // colours of its own
   display.look.wipe = two ? Number($('wipe').value) : 1;
-  display.look.exposure = Number($('exposure').value);
-  display.look.transform = Number($('transform').value);
-  display.look.falseColours = $('channel').value !== '' && left.channels > 4;
+  display.look.exposure = isMatte ? 0 : Number($('exposure').value);
+  display.look.transform = isMatte ? 0 : Number($('transform').value);
+  display.look.falseColours = name !== '' && !isColour && left.channels > 4;
   if (display.look.falseColours) display.look.range = rangeOf(left, part);
   $('range').textContent = display.look.falseColours ? `dark blue ${display.look.range[0].toPrecision(3)}, yellow ${display.look.range[1].toPrecision(3)}` : '';
   $('wipe').hidden = $('wipeLine').hidden = !two;
   $('wipeLine').style.left = `${100 * display.look.wipe}%`;
-  display.show(left, right, part);
+  display.show(left, right, part, isColour);
+}
+
+// How the scene says it is to be seen (its [image]), until the hand says otherwise.
+let seenAs = '';
+async function takeImage(image) {
+  if (JSON.stringify(image) === seenAs) return;
+  seenAs = JSON.stringify(image);
+  const own = $('transform').querySelector('[value="3"]');
+  own.hidden = own.disabled = image.own;
+  own.textContent = image.view;
+  $('exposure').value = image.exposure;
+  if (!image.own) {
+    try {
+      display.takeView(await api.view());
+    } catch (error) {
+      return trouble(error.message);
+    }
+  }
+  $('transform').value = image.own ? Number(image.view === 'filmic') : 3;
+  $('exposure').dispatchEvent(new Event('input'));
+}
+
+// A light group each, once.
+function takeLights(names) {
+  const menu = $('lights');
+  if (menu.children.length === names.length && [...menu.children].every((option, i) => option.textContent === names[i])) return;
+  menu.replaceChildren(...names.map((name, i) => new Option(name, `lights:${3 * i}:colour`)));
 }
 
 // Over the covered pixels.
@@ -60,6 +90,7 @@ function rangeOf(picture, part) {
   for (let i = 0; i < picture.values.length; i += picture.channels) {
     if (picture.values[i + 3] === 0) continue;
     const value = api.fromHalf(picture.values[i + 4 + part]);
+    if (!Number.isFinite(value)) continue; // the variance of one sample
     if (value < low) low = value;
     if (value > high) high = value;
   }
@@ -97,6 +128,9 @@ function onState(state, isMoving = false) {
   $('time').setAttribute('aria-valuetext', `frame ${state.frame}`);
   $('timeValue').textContent = `${state.frame} of ${state.frames.at(-1)}`;
   press('wiping', state.wipe);
+  press('denoising', state.denoise);
+  takeImage(state.image);
+  takeLights(state.lights);
   draw(); // the line of the wipe, which no new picture need follow
   $('undo').disabled = session.done.length === 0;
   $('redo').disabled = session.undone.length === 0;
@@ -251,6 +285,10 @@ function keep(side) {
 const toggles = {
   play: () => play(!pressed('play')),
   wiping: () => session.change([], { wipe: !session.state.wipe }),
+  denoising: () => {
+    frames.clear();
+    session.change([], { denoise: !session.state.denoise });
+  },
   inspecting: () => setInspecting(!pressed('inspecting')),
   focusing: () => {
     press('focusing', !pressed('focusing'));
@@ -330,7 +368,7 @@ function arrow(event, [dx, dy]) {
 const keys = {
   '+': () => dolly(0.95), '=': () => dolly(0.95), '-': () => dolly(1 / 0.95),
   ',': () => goTo(Number($('time').value) - 1), '.': () => goTo(Number($('time').value) + 1),
-  ' ': toggles.play, w: toggles.wiping, i: toggles.inspecting, f: toggles.focusing, a: toggles.takeA, b: toggles.takeB,
+  ' ': toggles.play, w: toggles.wiping, n: toggles.denoising, i: toggles.inspecting, f: toggles.focusing, a: toggles.takeA, b: toggles.takeB,
   c: () => $('compare').disabled || toggles.compare(), '?': toggles.help,
   s: () => { $('saving').open = true; $('fileName').focus(); },
   '[': () => expose(-0.5), ']': () => expose(0.5),

@@ -28,7 +28,7 @@ export class Session {
     if (restarted) {
       const lost = this.state.changes;
       this.newest = [0, 0];
-      if (lost.length > 0) state = await api.change({ changes: lost, wipe: this.state.wipe, channel: this.state.channel });
+      if (lost.length > 0) state = await api.change({ changes: lost, wipe: this.state.wipe, channel: this.state.channel, denoise: this.state.denoise });
     }
     this.state = state;
     this.on.state(state);
@@ -69,7 +69,7 @@ export class Session {
     this.on.gone(isGone);
   }
 
-  // changes: [{key, value | text, atFrame}]; `more`: frame, wipe, channel. A hand that moves makes one step of undo until it rests.
+  // changes: [{key, value | text, atFrame}]; `more`: frame, wipe, channel, denoise. A hand that moves makes one step of undo until it rests.
   change(changes, more = {}, isLast = true) {
     for (const c of changes) this.waiting.set(c.key, c);
     Object.assign(this.request, more);
