@@ -207,7 +207,7 @@ void PathTracer::State::shadeAtOnce(int event, const LaneMaterial &material, std
     lanes::view(l, material, numbers);
     if (hasEmitters) seeEmissions(material, chunk);
     if (!l.allAlone()) {
-        if (lit) lanes::aim(l, scene.lights());
+        if (lit) lanes::aim(l, material, scene.lights());
         if (lit) lanes::connect(l, material);
         lanes::scatter(l, material);
     }
@@ -229,6 +229,7 @@ void PathTracer::State::shadeAtOnce(int event, const LaneMaterial &material, std
         path.throughput = l.nextThroughput.at(k);
         path.etaScale = l.nextEtaScale[k];
         path.scatterPdf = l.scatterPdf[k];
+        path.normal = receiverAt(l.position.at(k), l.geometricNormal.at(k), material.bsdf).normal;
         if (hasCones) path.cone.scatter(hits[chunk[k]].t, glossy ? 1 / std::sqrt(l.det[k]) : 1.0F);
         Ray next;
         next.origin = l.nextOrigin.at(k);

@@ -287,11 +287,11 @@ void view(HitLanes &lanes, const LaneMaterial &material, const EventNumbers &num
     });
 }
 
-void aim(HitLanes &l, const LightTable &lights) {
+void aim(HitLanes &l, const LaneMaterial &material, const LightTable &lights) {
     std::size_t lanesOfSky[HitLanes::kSize];
     std::size_t count = 0;
     for (std::size_t i = 0; i < static_cast<std::size_t>(l.padded()); ++i) {
-        const LightChoice choice = chooseLight(lights, l.position.at(i), lights.choices > 1 ? l.lightChoice[i] : 0.0F);
+        const LightChoice choice = chooseLight(lights, receiverAt(l.position.at(i), l.geometricNormal.at(i), material.bsdf), lights.choices > 1 ? l.lightChoice[i] : 0.0F);
         l.lightEntry[i] = choice.entry;
         if (choice.entry != kNone && choice.entry == lights.environmentEntry) {
             l.sky.u[count] = l.lightU[i];

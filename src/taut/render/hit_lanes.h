@@ -150,7 +150,7 @@ void setSlopes(HitLanes &lanes, std::size_t lane, const SlopeStatistics &slopes)
 /// Fills what follows the gathered part, for event number `numbers`.
 void view(HitLanes &lanes, const LaneMaterial &material, const EventNumbers &numbers, Instructions instructions = widest());
 /// These where there is a light.
-void aim(HitLanes &lanes, const LightTable &lights);
+void aim(HitLanes &lanes, const LaneMaterial &material, const LightTable &lights);
 void connect(HitLanes &lanes, const LaneMaterial &material, Instructions instructions = widest());
 void scatter(HitLanes &lanes, const LaneMaterial &material, Instructions instructions = widest());
 

@@ -17,6 +17,7 @@ struct Path {
     Vec3 radiance{0};
     float alpha = 0;
     float scatterPdf = 0; ///< of the ray under way; 0: a camera ray
+    Vec3 normal{0};       ///< Receiver's where the ray under way comes from
     float etaScale = 1;
     Vec3 extinction{0}; ///< of the medium that the ray under way is in
     RayCone cone;       ///< of the ray under way, where a material looks textures up by it
@@ -25,6 +26,9 @@ struct Path {
     std::uint32_t sample = 0;
     std::uint32_t seed = 0; ///< of the pixel
     bool hasAovs = false;
+
+    /// What samples of lights saw where a ray of this path comes from.
+    [[nodiscard]] Receiver receiver(const Vec3 &origin) const { return {origin, normal}; }
 };
 
 struct ShadowTest {

@@ -7,7 +7,7 @@ namespace taut {
 void PathTracer::State::connectLight(int event, Index index, const SurfacePoint &point, const FacetScattering &scattering) {
     Path &path = paths[index];
     const Vec3 u = random3(path, dimensionOf(event, kLightNumbers));
-    const LightChoice choice = chooseLight(scene.lights(), point.position, u.z);
+    const LightChoice choice = chooseLight(scene.lights(), receiverAt(point.position, point.geometricNormal, point.bsdf), u.z);
     const LightSample light = sampleLight(scene.lights(), choice, point.position, path.time, Vec2(u));
     if (!(light.pdf > 0)) return;
     const float side = glm::dot(light.direction, point.geometricNormal);
@@ -32,7 +32,7 @@ void PathTracer::State::seeEmission(Path &path, const Ray &ray, const Hit &hit, 
     float weight = 1;
     if (path.scatterPdf > 0 && part.entry != kNone) {
         const float cosine = std::fabs(glm::dot(geometricNormal, ray.direction));
-        weight = powerHeuristic(path.scatterPdf, emitterHitPdf(scene.lights(), part, ray.origin, path.time, hit.t, cosine));
+        weight = powerHeuristic(path.scatterPdf, emitterHitPdf(scene.lights(), part, path.receiver(ray.origin), path.time, hit.t, cosine));
     }
     addLight(path, path.throughput * emission * weight, [&] { return groupOf(owner, hit.primitive); });
 }
@@ -68,6 +68,7 @@ void PathTracer::State::scatter(int event, Index index, const SurfacePoint &poin
     path.throughput *= sampled->weight;
     path.etaScale *= sampled->etaScale;
     path.scatterPdf = sampled->pdf;
+    path.normal = receiverAt(point.position, point.geometricNormal, point.bsdf).normal;
     if (hasCones) path.cone.scatter(distance, bsdfInfo(point.bsdf.type).microsurface ? 1 / std::sqrt(point.bsdf.micro.det) : 1.0F);
     if (sampled->transmitted && point.bsdf.refracts) path.extinction = point.extinction; // none beyond a back face
     const float chance = chanceToGoOn(path.throughput, path.etaScale);
