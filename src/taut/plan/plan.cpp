@@ -36,7 +36,7 @@ std::vector<int> levelsOf(const ScenePlan &plan) {
 /// What an object does over the frames.
 struct ObjectFacts {
     GradientField field;
-    RefinementError probe; ///< where the plan chooses the level
+    RefinementError probe;       ///< where the plan chooses the level
     std::vector<float> hardness; ///< [frames looked at] of it, without a unit
     AlphaRange alpha;            ///< of its materials
     bool isMapped = false;
@@ -202,7 +202,8 @@ PlannedScene ScenePlanner::finish(ScenePlan plan) {
         const Object &object = s.scene.objects[i];
         const int level = s.planned.plan.meshes[i].subdivisionLevel;
         if (s.choosesLevel(i) && s.scene.budget)
-            s.scene.budget->take(objectBytes(object, s.scene.render, level), "mesh " + quoted(object.name), "level " + std::to_string(level));
+            s.scene.budget->take(objectBytes(object, s.scene.render, level), "mesh " + quoted(object.name),
+                                 "level " + std::to_string(level));
         if (level != s.probeLevel(i)) s.planned.surfaces[i] = ObjectSurface();
         if (s.options.report) s.report(s.scene, i);
     }
@@ -225,9 +226,21 @@ int ScenePlanner::hardestFrame() const {
     return s.scene.render.frames[s.spread[k]];
 }
 
+namespace {
+
+/// Whether nothing is aimed at: scattered rays alone bring the light of a constant sky.
+bool isLitBySkyAlone(const Scene &scene) {
+    return scene.environment && scene.environment->constant && scene.lights.empty() &&
+           std::none_of(scene.objects.begin(), scene.objects.end(), [](const Object &object) { return emits(object); });
+}
+
+} // namespace
+
 ScenePlan defaultPlan(const Scene &scene) {
     check(scene);
     ScenePlan plan;
+    // Directions are then all there is of the noise, and the cone is worth its preparation on every surface.
+    if (isLitBySkyAlone(scene)) plan.bearableWaste = 0;
     for (const Object &object : scene.objects) {
         MeshPlan mesh;
         mesh.stretch = isRigid(object) || !object.follow ? StretchModel::Constant

@@ -104,8 +104,11 @@ std::vector<PreparedMaterial> prepareMaterials(const Scene &scene, const ScenePl
     std::vector<PreparedMaterial> prepared;
     for (Index i = 0; i < std::max<std::size_t>(scene.materials.size(), 1); ++i) {
         const Material &material = scene.materialAt(i);
-        prepared.push_back({&material, coatEscape(material.ior), i < plan.materials.size() ? plan.materials[i] : MultiscatterPlan{},
-                            plan.bearableWaste, extinctionOf(material),
+        const MultiscatterPlan multiscatter = i < plan.materials.size() ? plan.materials[i] : MultiscatterPlan{};
+        const Multiscatter model = multiscatterOf(material, multiscatter.model);
+        const bool walks = model == Multiscatter::Walk || model == Multiscatter::Auto; // it has a sampler of its own
+        prepared.push_back({&material, coatEscape(material.ior), multiscatter,
+                            walks ? std::max(plan.bearableWaste, kBearableWaste) : plan.bearableWaste, extinctionOf(material),
                             i < plan.details.size() && plan.details[i].detail == TextureDetail::Moments});
     }
     return prepared;
