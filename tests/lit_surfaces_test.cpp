@@ -1,7 +1,11 @@
 /// Lights chosen by the surface that they shine on: nothing is lost of what comes from below a horizon, or past an interpolated normal.
 
 #include "catch.h"
+#include "lanes_fixtures.h"
 #include "many_lights.h"
+
+#include "taut/plan/plan.h"
+#include "taut/render/light_candidates.h"
 
 using namespace taut;
 using namespace taut::test;
@@ -135,7 +139,8 @@ TEST_CASE("What is below the horizon is never chosen, and its share falls to wha
         for (const LightPart &part : lit.table().parts) truth += irradiance(lit.table(), part, Vec3(0), up.normal);
         const Estimate knowing = sampledIrradiance(lit.table(), up, up.normal, random, 100000);
         const Estimate blind = sampledIrradiance(lit.table(), {Vec3(0)}, up.normal, random, 100000);
-        INFO(count << ": variance " << knowing.variance << " against " << blind.variance << ", mean " << knowing.mean << ", truth " << truth);
+        INFO(count << ": variance " << knowing.variance << " against " << blind.variance << ", mean " << knowing.mean << ", truth "
+                   << truth);
         CHECK(std::fabs(knowing.mean - truth) < 4.5 * knowing.error + 1e-3 * truth);
         CHECK(std::fabs(blind.mean - truth) < 4.5 * blind.error + 1e-3 * truth);
         CHECK(knowing.variance < 0.25 * blind.variance);
@@ -151,5 +156,84 @@ TEST_CASE("One light is chosen with probability one, wherever it is", "[lights][
         CHECK(choice.entry == 0);
         CHECK(choice.probability == 1);
         CHECK(choiceProbability(lit.table(), {0, 0}, {Vec3(0), Vec3(0, 0, z)}) == 1);
+    }
+}
+
+TEST_CASE("Of several candidates each is kept by its weight, and the mean is that of all", "[lights][receiver]") {
+    const std::vector<float> weights{0.5F, 0, 3, 1.5F};
+    const auto count = static_cast<int>(weights.size());
+    constexpr int kDraws = 40000;
+    std::vector<double> observed(weights.size(), 0);
+    std::vector<double> expected;
+    for (const float weight : weights) expected.push_back(kDraws * static_cast<double>(weight) / 5);
+    double leastLeft = 1;
+    double mostLeft = 0;
+    for (int i = 0; i < kDraws; ++i) {
+        CandidateChoice choice{(static_cast<float>(i) + 0.5F) / kDraws};
+        std::size_t kept = weights.size();
+        for (std::size_t k = 0; k < weights.size(); ++k)
+            if (choice.takes(weights[k])) kept = k;
+        REQUIRE(kept < weights.size());
+        ++observed[kept];
+        CHECK(choice.kept == weights[kept]);
+        CHECK(weights[kept] * choice.scale(count) == Approx(5.0 / 4).epsilon(1e-6));
+        leastLeft = std::min(leastLeft, static_cast<double>(choice.number));
+        mostLeft = std::max(mostLeft, static_cast<double>(choice.number));
+    }
+    CHECK(observed[1] == 0);
+    for (const std::size_t k : {0U, 2U, 3U}) CHECK(std::fabs(observed[k] - expected[k]) <= 2);
+    CHECK(leastLeft < 0.01);
+    CHECK(mostLeft > 0.99);
+    CHECK(mostLeft <= 1);
+    // Candidates are uniform one by one, and their choices lie in equal parts.
+    const Vec3 u(0.9F, 0.3F, 0.6F);
+    CHECK(candidateNumbers(u, 0, 1) == u);
+    for (int k = 0; k < count; ++k) {
+        const Vec3 numbers = candidateNumbers(u, k, count);
+        CHECK(static_cast<int>(numbers.z * 4) == k);
+        CHECK(std::min(numbers.x, numbers.y) >= 0);
+        CHECK(std::max(numbers.x, numbers.y) < 1);
+    }
+}
+
+TEST_CASE("Under many lights shading at once gives the picture of shading one by one", "[lights][receiver][lanes]") {
+    std::vector<LaneCase> cases;
+    Material separable = plain(BsdfType::Dielectric, 0.1F, 0.4F, 0.3F);
+    Material sheet = plain(BsdfType::ThinGlass, 0.2F, 0.2F, 0);
+    for (const auto &[name, material] : {std::pair<const char *, Material>{"diffuse", plain(BsdfType::Diffuse, 1, 1, 0)},
+                                         {"metal", plain(BsdfType::Metal, 0.2F, 0.4F, 0.3F)},
+                                         {"glass", separable},
+                                         {"thin glass", sheet}}) {
+        Scene scene = laneScene(material);
+        scene.lights = lightsAround(40);
+        Uniform random(53);
+        scene.objects.push_back(emitter(randomTriangles(random, 60, 2), 3, false));
+        cases.push_back({name, std::move(scene)});
+    }
+    checkPictures(cases);
+}
+
+TEST_CASE("The cone samples all reflections where nothing is aimed at", "[receiver][plan]") {
+    Scene scene = smallScene(makeObject(makeGrid(1, 1, 1)), ggxMaterial(0.3F, 0.3F), 8);
+    scene.lights.clear();
+    scene.environment = constantEnvironment(Vec3(1));
+    scene.materials[0].multiscatter = Multiscatter::Off;
+    CHECK(defaultPlan(scene).bearableWaste == 0);
+    CHECK(prepareMaterials(scene, defaultPlan(scene))[0].bearableWaste == 0);
+    SECTION("a walk has its own sampler") {
+        scene.materials[0].multiscatter = Multiscatter::Walk;
+        CHECK(prepareMaterials(scene, defaultPlan(scene))[0].bearableWaste == kBearableWaste);
+    }
+    SECTION("a lamp") {
+        scene.lights = lightsAround(1);
+        CHECK(defaultPlan(scene).bearableWaste == kBearableWaste);
+    }
+    SECTION("an emitter") {
+        scene.objects.push_back(emitter(makeGrid(1, 1, 1), 3, false));
+        CHECK(defaultPlan(scene).bearableWaste == kBearableWaste);
+    }
+    SECTION("a map") {
+        scene.environment = studioEnvironment();
+        CHECK(defaultPlan(scene).bearableWaste == kBearableWaste);
     }
 }

@@ -58,7 +58,7 @@ struct PathTracer::State {
 
     std::unique_ptr<CameraLanes> cameraLanes = std::make_unique<CameraLanes>();
     std::vector<Path> paths;
-    std::vector<float> aovs; ///< [paths x channels]
+    std::vector<float> aovs;  ///< [paths x channels]
     std::vector<Vec2> places; ///< [paths] within the filters of pixels that share their samples
     std::vector<Index> active, stillActive;
     std::vector<Ray> rays, nextRays, shadowRays;
@@ -142,6 +142,7 @@ struct PathTracer::State {
     void lookUpSlopes(const SlopeMap &map, std::span<const Index> chunk, HitLanes &into);
     [[nodiscard]] SurfacePoint pointOf(std::size_t lane, const LaneMaterial &material) const;
     void seeEmissions(const LaneMaterial &material, std::span<const Index> chunk);
+    void connectAtOnce(int event, const LaneMaterial &material);
     void shadeAtOnce(int event, const LaneMaterial &material, std::span<const Index> chunk);
     /// What a light's contribution keeps on its way through the medium that the path is in, to a surface's `side` of the viewer (above 0).
     static void attenuate(const Path &path, float side, float distance, Vec3 &contribution) {
