@@ -1,7 +1,8 @@
 #pragma once
 /// A tree over many lights, by which one is chosen from a point in logarithmic time after what it could send there: Conty Estevez and
-/// Kulla 2018, "Importance Sampling of Many Lights with Adaptive Tree Splitting" (without the splitting); bounds of the cosines as
-/// in Pharr, Jakob and Humphreys 2023, "Physically Based Rendering", section 12.6.3. It knows bounds of lights alone, not lights.
+/// Kulla 2018, "Importance Sampling of Many Lights with Adaptive Tree Splitting" (in place of the splitting: light_candidates.h); bounds of
+/// the cosines as in Pharr, Jakob and Humphreys 2023, "Physically Based Rendering", section 12.6.3. It knows bounds of lights alone, not
+/// lights.
 
 #include "taut/scene/lights/light.h"
 
