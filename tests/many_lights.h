@@ -193,11 +193,17 @@ inline double received(const LightSample &s, const Vec3 &normal) {
     return s.pdf > 0 ? static_cast<double>(s.radiance.x * std::max(0.0F, glm::dot(normal, s.direction)) / s.pdf) : 0.0;
 }
 
-inline Estimate sampledIrradiance(const LightTable &table, const Vec3 &point, const Vec3 &normal, Uniform &random, int count) {
+/// A surface there that any light may reach, or one of a random normal, in turn.
+inline Receiver receiverOf(const Vec3 &point, Uniform &random, int turn) {
+    return {point, turn % 2 == 0 ? Vec3(0) : randomDirection(random)};
+}
+
+/// At a surface whose normal is that, chosen by what `at` knows.
+inline Estimate sampledIrradiance(const LightTable &table, const Receiver &at, const Vec3 &normal, Uniform &random, int count) {
     return estimate(count, [&] {
         const float time = random.number();
         const float choose = random.number();
-        return received(sampleLight(table, point, time, choose, random.pair()), normal);
+        return received(sampleLight(table, at, time, choose, random.pair()), normal);
     });
 }
 

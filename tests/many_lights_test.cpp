@@ -15,7 +15,7 @@ TEST_CASE("The light of many is what quadrature over each alone says", "[lights]
         const Vec3 normal = randomDirection(random);
         double truth = 0;
         for (const LightPart &part : table.parts) truth += irradiance(table, part, point, normal);
-        const Estimate e = sampledIrradiance(table, point, normal, random, 100000);
+        const Estimate e = sampledIrradiance(table, {point, normal}, normal, random, 100000);
         INFO("point " << point.x << " " << point.y << " " << point.z << ": " << e.mean << " +- " << e.error << ", truth " << truth);
         CHECK(std::fabs(e.mean - truth) < 4.5 * e.error + 1e-3 * truth + 1e-12); // quadrature's own error
         CHECK(e.error <= 0.05 * truth);
@@ -28,12 +28,14 @@ TEST_CASE("No light that arrives is left out", "[lights][tree]") {
     Uniform random(5);
     for (int i = 0; i < 40; ++i) {
         const Vec3 point = randomPoint(random, i % 2 == 0 ? 2.0F : 6.0F);
+        const Receiver at = receiverOf(point, random, i / 2);
         for (const LightPart &part : table.parts) {
             const LightSample s = sampleLight(table, {part.entry, part.triangle, 1}, point, 0, {0.3F, 0.4F});
             if (!(s.pdf > 0) || !(maxComponent(s.radiance) > 1e-3F)) continue;
             // A light that one is nearly in the plane of sends next to nothing.
             if (s.pdf > 1e4F && !s.delta) continue;
-            const float probability = choiceProbability(table, part, point);
+            if (at.normal != Vec3(0) && glm::dot(at.normal, s.direction) <= 1e-5F) continue;
+            const float probability = choiceProbability(table, part, at);
             INFO("entry " << part.entry << ", triangle " << part.triangle);
             CHECK(probability > 0);
         }
@@ -59,7 +61,7 @@ TEST_CASE("A large mesh emitter close by is noisy by area and quiet by the tree"
     for (const Vec3 &point : {Vec3(1, 0, -0.31F), Vec3(0.5F, 0.9F, -0.4F), Vec3(0, 0, -0.31F), Vec3(3, 0, -0.31F)}) {
         double truth = 0;
         for (const LightPart &part : table.parts) truth += irradiance(table, part, point, normal);
-        const Estimate tree = sampledIrradiance(table, point, normal, random, 100000);
+        const Estimate tree = sampledIrradiance(table, {point, normal}, normal, random, 100000);
         const Estimate byArea = estimate(100000, [&] {
             const double at = area * static_cast<double>(random.number());
             const auto found = std::upper_bound(below.begin(), below.end(), at) - below.begin();
@@ -149,7 +151,7 @@ TEST_CASE("Mesh emitters that move are sampled where they are", "[lights][tree][
                     truth +=
                         2.0 / kTimes *
                         fromTriangle(DVec3(point), DVec3(normal), cornersOf(entry, t, (static_cast<float>(k) + 0.5F) / kTimes), false, 3);
-            const Estimate e = sampledIrradiance(table, point, normal, random, 200000);
+            const Estimate e = sampledIrradiance(table, {point, normal}, normal, random, 200000);
             INFO(e.mean << " +- " << e.error << ", truth " << truth);
             CHECK(std::fabs(e.mean - truth) < 4.5 * e.error + 2e-3 * truth);
             CHECK(e.error < 0.02 * truth);

@@ -49,6 +49,12 @@ struct Bsdf {
     float sheenAlpha = 1;     ///< sheen.h
 };
 
+/// Whether light may leave on the other side of the surface.
+inline bool mayTransmit(const Bsdf &bsdf) {
+    const BsdfInfo &info = bsdfInfo(bsdf.type);
+    return info.transmits && (!info.reads(kMetallicKey) || bsdf.tint != Vec3(0));
+}
+
 /// A material's numbers at a hit, textures looked up: what a Bsdf is made from.
 struct MaterialValues {
     Vec3 color{1};

@@ -11,7 +11,7 @@ struct EnvironmentLight {
     Mat3 worldFromRender; ///< rotation
     bool operator==(const EnvironmentLight &) const = default;
 
-    [[nodiscard]] float importance(float /*strength*/, const Vec3 & /*point*/) const { return luminance(environment->mean) * kPi; }
+    [[nodiscard]] float importance(float /*strength*/, const Receiver & /*at*/) const { return luminance(environment->mean) * kPi; }
 
     [[nodiscard]] LightSample sample(const Vec3 & /*radiance*/, const Vec3 & /*point*/, const Vec2 &number) const {
         const EnvironmentSample e = sampleEnvironment(*environment, number);

@@ -189,6 +189,25 @@ SurfacePoint PathTracer::State::pointOf(std::size_t lane, const LaneMaterial &ma
     return point;
 }
 
+/// Samples lights from all lanes.
+void PathTracer::State::connectAtOnce(int event, const LaneMaterial &material) {
+    HitLanes &l = *lanes;
+    const int candidates = candidateCount(scene.lights());
+    if (candidates == 1) {
+        lanes::aim(l, material, scene.lights());
+        lanes::connect(l, material);
+        return;
+    }
+    for (std::size_t k = 0; k < static_cast<std::size_t>(l.count); ++k)
+        l.candidates[k] = {random1(paths[l.path[k]], dimensionOf(event, kCandidate))};
+    for (int candidate = 0; candidate < candidates; ++candidate) {
+        lanes::aim(l, material, scene.lights(), candidate);
+        lanes::connect(l, material);
+        lanes::keep(l);
+    }
+    lanes::useKept(l, candidates);
+}
+
 void PathTracer::State::shadeAtOnce(int event, const LaneMaterial &material, std::span<const Index> chunk) {
     HitLanes &l = *lanes;
     l.count = static_cast<int>(chunk.size());
@@ -207,8 +226,7 @@ void PathTracer::State::shadeAtOnce(int event, const LaneMaterial &material, std
     lanes::view(l, material, numbers);
     if (hasEmitters) seeEmissions(material, chunk);
     if (!l.allAlone()) {
-        if (lit) lanes::aim(l, scene.lights());
-        if (lit) lanes::connect(l, material);
+        if (lit) connectAtOnce(event, material);
         lanes::scatter(l, material);
     }
     const bool glossy = bsdfInfo(material.bsdf.type).microsurface;
@@ -229,6 +247,7 @@ void PathTracer::State::shadeAtOnce(int event, const LaneMaterial &material, std
         path.throughput = l.nextThroughput.at(k);
         path.etaScale = l.nextEtaScale[k];
         path.scatterPdf = l.scatterPdf[k];
+        path.normal = receiverAt(l.position.at(k), l.geometricNormal.at(k), material.bsdf).normal;
         if (hasCones) path.cone.scatter(hits[chunk[k]].t, glossy ? 1 / std::sqrt(l.det[k]) : 1.0F);
         Ray next;
         next.origin = l.nextOrigin.at(k);

@@ -146,8 +146,9 @@ LaneMaterial laneMaterial(const PreparedMaterial &prepared) {
     lane.scattersAlone = !info.lanes || (info.reads(kMetallicKey) && goesAlone(m));
     lane.layered = info.reads(kMetallicKey) && (m.clearcoat.value > 0 || m.specular.texture != kNone || m.specularColor.texture != kNone);
     lane.mapped = m.slopes.isGiven();
-    lane.varies = lane.scattersAlone || lane.mapped || lane.layered || m.vertexColors || m.color.texture != kNone || m.metallic.texture != kNone ||
-                  m.alphaX.texture != kNone || m.alphaY.texture != kNone || m.rotation.texture != kNone || m.anisotropyTexture != kNone;
+    lane.varies = lane.scattersAlone || lane.mapped || lane.layered || m.vertexColors || m.color.texture != kNone ||
+                  m.metallic.texture != kNone || m.alphaX.texture != kNone || m.alphaY.texture != kNone || m.rotation.texture != kNone ||
+                  m.anisotropyTexture != kNone;
     Material alike = m; // textures are looked up at hits
     alike.color.texture = alike.metallic.texture = alike.alphaX.texture = alike.alphaY.texture = alike.rotation.texture = kNone;
     alike.anisotropyTexture = alike.specular.texture = alike.specularColor.texture = kNone;
@@ -287,22 +288,24 @@ void view(HitLanes &lanes, const LaneMaterial &material, const EventNumbers &num
     });
 }
 
-void aim(HitLanes &l, const LightTable &lights) {
+void aim(HitLanes &l, const LaneMaterial &material, const LightTable &lights, int candidate) {
+    const int candidates = candidateCount(lights);
     std::size_t lanesOfSky[HitLanes::kSize];
     std::size_t count = 0;
     for (std::size_t i = 0; i < static_cast<std::size_t>(l.padded()); ++i) {
-        const LightChoice choice = chooseLight(lights, l.position.at(i), lights.choices > 1 ? l.lightChoice[i] : 0.0F);
+        const Vec3 u = candidateNumbers({l.lightU[i], l.lightV[i], lights.choices > 1 ? l.lightChoice[i] : 0.0F}, candidate, candidates);
+        const LightChoice choice = chooseLight(lights, receiverAt(l.position.at(i), l.geometricNormal.at(i), material.bsdf), u.z);
         l.lightEntry[i] = choice.entry;
         if (choice.entry != kNone && choice.entry == lights.environmentEntry) {
-            l.sky.u[count] = l.lightU[i];
-            l.sky.v[count] = l.lightV[i];
+            l.sky.u[count] = u.x;
+            l.sky.v[count] = u.y;
             l.lightPdf[i] = choice.probability;
             l.lightWeighted[i] = 1;
             l.lightDistance[i] = kInfinity;
             lanesOfSky[count++] = i;
             continue;
         }
-        const LightSample light = sampleLight(lights, choice, l.position.at(i), l.time[i], {l.lightU[i], l.lightV[i]});
+        const LightSample light = sampleLight(lights, choice, l.position.at(i), l.time[i], Vec2(u));
         l.lightDirection.set(i, light.direction);
         l.lightRadiance.set(i, light.radiance);
         l.lightPdf[i] = light.pdf;
@@ -318,6 +321,30 @@ void aim(HitLanes &l, const LightTable &lights) {
         l.lightDirection.set(i, renderFromWorld * l.sky.direction.at(k));
         l.lightRadiance.set(i, l.sky.radiance.at(k));
         l.lightPdf[i] *= l.sky.pdf[k];
+    }
+}
+
+void keep(HitLanes &l) {
+    for (std::size_t i = 0; i < static_cast<std::size_t>(l.count); ++i) {
+        if (!(l.connects[i] > 0) || !l.candidates[i].takes(luminance(l.contribution.at(i)))) continue;
+        l.keptDirection.set(i, l.lightDirection.at(i));
+        l.keptContribution.set(i, l.contribution.at(i));
+        l.keptOrigin.set(i, l.shadowOrigin.at(i));
+        l.keptDistance[i] = l.lightDistance[i];
+        l.keptEntry[i] = l.lightEntry[i];
+    }
+}
+
+void useKept(HitLanes &l, int candidates) {
+    for (std::size_t i = 0; i < static_cast<std::size_t>(l.count); ++i) {
+        const CandidateChoice &choice = l.candidates[i];
+        l.connects[i] = choice.kept;
+        if (!(choice.kept > 0)) continue;
+        l.lightDirection.set(i, l.keptDirection.at(i));
+        l.contribution.set(i, l.keptContribution.at(i) * choice.scale(candidates));
+        l.shadowOrigin.set(i, l.keptOrigin.at(i));
+        l.lightDistance[i] = l.keptDistance[i];
+        l.lightEntry[i] = l.keptEntry[i];
     }
 }
 

@@ -12,6 +12,7 @@
 #include "taut/base/lanes.h"
 #include "taut/microsurface/mesostructure.h"
 #include "taut/microsurface/reflection_sampler.h"
+#include "taut/render/light_candidates.h"
 #include "taut/render/shading.h"
 
 #include <algorithm>
@@ -89,7 +90,11 @@ struct alignas(64) HitLanes {
     Vectors lightDirection, lightRadiance;
     float lightPdf[kSize], lightWeighted[kSize], lightDistance[kSize];
     Index lightEntry[kSize];
-    EnvironmentLanes sky; ///< those that go there
+    EnvironmentLanes sky;              ///< those that go there
+    CandidateChoice candidates[kSize]; ///< where lights are several: what keep() keeps
+    Vectors keptDirection, keptContribution, keptOrigin;
+    float keptDistance[kSize];
+    Index keptEntry[kSize];
 
     // connect(): a shadow ray's start and what it would bring; nothing but where `connects` > 0.
     Vectors shadowOrigin, contribution;
@@ -150,8 +155,12 @@ void setSlopes(HitLanes &lanes, std::size_t lane, const SlopeStatistics &slopes)
 /// Fills what follows the gathered part, for event number `numbers`.
 void view(HitLanes &lanes, const LaneMaterial &material, const EventNumbers &numbers, Instructions instructions = widest());
 /// These where there is a light.
-void aim(HitLanes &lanes, const LightTable &lights);
+void aim(HitLanes &lanes, const LaneMaterial &material, const LightTable &lights, int candidate = 0);
 void connect(HitLanes &lanes, const LaneMaterial &material, Instructions instructions = widest());
+/// One of several candidates (light_candidates.h): what connect() found of each is shown to the lanes' choices, and in the end what they
+/// kept takes its place.
+void keep(HitLanes &lanes);
+void useKept(HitLanes &lanes, int candidates);
 void scatter(HitLanes &lanes, const LaneMaterial &material, Instructions instructions = widest());
 
 } // namespace lanes

@@ -7,22 +7,24 @@ namespace {
 /// Share of the choice that is spread evenly over the lights.
 constexpr float kEvenShare = 0.1F;
 
-/// Irradiance that an unoccluded light could cause at a point, up to a common factor and the receiver's cosine. Zero only where
-/// the light can send nothing.
-float importance(const LightTable &table, const LightPart &part, const Vec3 &point) {
+/// Light that an unoccluded light could cause at a receiver, up to a common factor. Zero only where it can send nothing.
+float importance(const LightTable &table, const LightPart &part, const Receiver &at) {
     const LightEntry &entry = table.entries[part.entry];
     return std::visit(
         [&](const auto &light) {
-            if constexpr (requires { light.importance(1.0F, point); })
-                return light.importance(luminance(entry.radiance), point);
+            if constexpr (requires { light.bounds(1.0F); })
+                return light.importance(luminance(entry.radiance), at) * received(at, table.fewParts[entry.firstPart]);
+            else if constexpr (requires { light.importance(1.0F, at); })
+                return light.importance(luminance(entry.radiance), at);
             else
-                return importance(table.fewParts[entry.firstPart + part.triangle], point);
+                return importance(table.fewParts[entry.firstPart + part.triangle], at);
         },
         entry.shape);
 }
 
-/// Probability of a choice of importance `own` among `count` of importance `total`.
+/// Probability of a choice of importance `own` among `count` that have any, `total` together.
 float probabilityOf(float own, float total, std::size_t count) {
+    if (!(own > 0)) return 0;
     const float even = 1 / static_cast<float>(count);
     return total > 0 && std::isfinite(total) ? kEvenShare * even + (1 - kEvenShare) * own / total : even;
 }
@@ -32,31 +34,34 @@ struct Choices {
     float total = 0;
     float tree = 0; ///< importance of the tree's lights together
     std::size_t count = 0;
+
+    void add(float own) {
+        total += own;
+        count += own > 0 ? 1 : 0;
+    }
 };
 
 /// Calls `weigh(part, importance)` for all choices, until it returns true.
-template <class Weigh> void eachOfFew(const LightTable &table, const Vec3 &point, const Weigh &weigh) {
+template <class Weigh> void eachOfFew(const LightTable &table, const Receiver &at, const Weigh &weigh) {
     for (Index entry = 0; entry < table.entries.size(); ++entry) {
         const Index triangles = partCount(table.entries[entry]);
         for (Index triangle = 0; triangle < triangles; ++triangle)
-            if (weigh(LightPart{entry, triangle}, importance(table, {entry, triangle}, point))) return;
+            if (weigh(LightPart{entry, triangle}, importance(table, {entry, triangle}, at))) return;
     }
 }
 
-Choices choicesAt(const LightTable &table, const Vec3 &point) {
+Choices choicesAt(const LightTable &table, const Receiver &at) {
     Choices choices;
     if (table.few) {
-        eachOfFew(table, point, [&](const LightPart &, float own) {
-            choices.total += own;
-            ++choices.count;
+        eachOfFew(table, at, [&](const LightPart &, float own) {
+            choices.add(own);
             return false;
         });
         return choices;
     }
-    for (const Index entry : table.everywhere) choices.total += importance(table, {entry, 0}, point);
-    choices.tree = importance(table.tree, point);
-    choices.total += choices.tree;
-    choices.count = table.everywhere.size() + (choices.tree > 0 ? 1 : 0);
+    for (const Index entry : table.everywhere) choices.add(importance(table, {entry, 0}, at));
+    choices.tree = importance(table.tree, at);
+    choices.add(choices.tree);
     return choices;
 }
 
@@ -107,29 +112,30 @@ void prepareChoice(LightTable &table) {
     for (Index part = 0; part < bounds.size(); ++part) table.fewParts.push_back(leafOf(bounds[part], part));
 }
 
-float probabilityAmong(const LightTable &table, const LightPart &part, const Vec3 &point) {
+float probabilityAmong(const LightTable &table, const LightPart &part, const Receiver &at) {
     const Index firstPart = table.entries[part.entry].firstPart;
     const bool inTree = !table.few && firstPart != kNone;
-    const float below = inTree ? leafProbability(table.tree, firstPart + part.triangle, point) : 1.0F;
+    const float below = inTree ? leafProbability(table.tree, firstPart + part.triangle, at) : 1.0F;
     if (inTree && table.everywhere.empty()) return below;
-    const Choices choices = choicesAt(table, point);
+    const Choices choices = choicesAt(table, at);
     if (inTree && !(choices.tree > 0)) return 0;
-    return below * probabilityOf(inTree ? choices.tree : importance(table, part, point), choices.total, choices.count);
+    return below * probabilityOf(inTree ? choices.tree : importance(table, part, at), choices.total, choices.count);
 }
 
-LightChoice chooseAmong(const LightTable &table, const Vec3 &point, float choose) {
+LightChoice chooseAmong(const LightTable &table, const Receiver &at, float choose) {
     const auto fromTree = [&](float number, float probability) -> LightChoice {
-        const LeafChoice leaf = chooseLeaf(table.tree, point, number);
+        const LeafChoice leaf = chooseLeaf(table.tree, at, number);
         if (leaf.light == kNone) return {};
         const LightPart &part = table.parts[leaf.light];
         return {part.entry, part.triangle, probability * leaf.probability};
     };
     if (!table.few && table.everywhere.empty()) return fromTree(choose, 1);
-    const Choices choices = choicesAt(table, point);
+    const Choices choices = choicesAt(table, at);
     LightChoice chosen;
     float below = 0;
     // The last takes what rounding leaves over.
     const auto weigh = [&](const LightPart &part, float own) {
+        if (!(own > 0)) return false;
         const float probability = probabilityOf(own, choices.total, choices.count);
         chosen = {part.entry, part.triangle, probability};
         if (choose < below + probability) return true;
@@ -137,11 +143,11 @@ LightChoice chooseAmong(const LightTable &table, const Vec3 &point, float choose
         return false;
     };
     if (table.few) {
-        eachOfFew(table, point, weigh);
+        eachOfFew(table, at, weigh);
         return chosen;
     }
     for (const Index entry : table.everywhere)
-        if (weigh({entry, 0}, importance(table, {entry, 0}, point))) return chosen;
+        if (weigh({entry, 0}, importance(table, {entry, 0}, at))) return chosen;
     if (!(choices.tree > 0)) return chosen;
     const float probability = probabilityOf(choices.tree, choices.total, choices.count);
     return fromTree(std::clamp((choose - below) / probability, 0.0F, kOneMinusEpsilon), probability);

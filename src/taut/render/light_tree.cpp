@@ -181,9 +181,9 @@ struct Builder {
 };
 
 /// Share of the first child in the choice between a node's children; negative where nothing arrives from either.
-float firstShare(const LightTree &tree, const LightNode &node, const Vec3 &point) {
-    const float a = importance(tree.nodes[node.link], point);
-    const float b = importance(tree.nodes[node.link + 1], point);
+float firstShare(const LightTree &tree, const LightNode &node, const Receiver &at) {
+    const float a = importance(tree.nodes[node.link], at);
+    const float b = importance(tree.nodes[node.link + 1], at);
     const float total = a + b;
     if (!(total > 0)) return -1;
     return std::isfinite(total) ? a / total : 0.5F;
@@ -226,12 +226,12 @@ LightTree buildLightTree(std::span<const LightBounds> lights) {
     return tree;
 }
 
-LeafChoice chooseLeaf(const LightTree &tree, const Vec3 &point, float choose) {
+LeafChoice chooseLeaf(const LightTree &tree, const Receiver &at, float choose) {
     if (tree.nodes.empty()) return {};
     const LightNode *node = tree.nodes.data();
     float probability = 1;
     while (!node->isLeaf()) {
-        const float first = firstShare(tree, *node, point);
+        const float first = firstShare(tree, *node, at);
         if (first < 0) return {};
         const bool second = choose >= first;
         const float share = second ? 1 - first : first;
@@ -242,13 +242,13 @@ LeafChoice chooseLeaf(const LightTree &tree, const Vec3 &point, float choose) {
     return {node->link, probability};
 }
 
-float leafProbability(const LightTree &tree, Index light, const Vec3 &point) {
+float leafProbability(const LightTree &tree, Index light, const Receiver &at) {
     std::uint64_t path = tree.paths[light];
     if (path == LightTree::kNoPath) return 0;
     const LightNode *node = tree.nodes.data();
     float probability = 1;
     for (; !node->isLeaf() && probability > 0; path >>= 1) {
-        const float first = firstShare(tree, *node, point);
+        const float first = firstShare(tree, *node, at);
         if (first < 0) return 0;
         const bool second = (path & 1) != 0;
         probability *= second ? 1 - first : first;

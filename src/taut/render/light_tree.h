@@ -1,7 +1,8 @@
 #pragma once
 /// A tree over many lights, by which one is chosen from a point in logarithmic time after what it could send there: Conty Estevez and
-/// Kulla 2018, "Importance Sampling of Many Lights with Adaptive Tree Splitting" (without the splitting); bounds of the cosines as
-/// in Pharr, Jakob and Humphreys 2023, "Physically Based Rendering", section 12.6.3. It knows bounds of lights alone, not lights.
+/// Kulla 2018, "Importance Sampling of Many Lights with Adaptive Tree Splitting" (in place of the splitting: light_candidates.h); bounds of
+/// the cosines as in Pharr, Jakob and Humphreys 2023, "Physically Based Rendering", section 12.6.3. It knows bounds of lights alone, not
+/// lights.
 
 #include "taut/scene/lights/light.h"
 
@@ -39,46 +40,57 @@ struct LightTree {
 /// Builds a tree over lights. Those without power, or not finite, are left out. O(n log n); the same for any number of threads.
 LightTree buildLightTree(std::span<const LightBounds> lights);
 
-/// Irradiance that what is below a node could cause at a point, up to a factor that all share and the receiver's cosine. Zero only
-/// where nothing can arrive.
-inline float importance(const LightNode &node, const Vec3 &point) {
+/// Light that what is below a node could cause at a receiver, up to a factor that all share. Zero only where nothing can arrive.
+[[gnu::always_inline]] inline float importance(const LightNode &node, const Receiver &at) {
     constexpr float kUnit = 1.0F / 32767;
     const Vec3 centre = 0.5F * (node.lower + node.upper);
     const Vec3 half = node.upper - centre;
-    const Vec3 away = point - centre;
+    const Vec3 away = at.position - centre;
     const float distance2 = glm::dot(away, away);
     const float radius2 = glm::dot(half, half);
-    if (distance2 <= radius2) return node.power / std::max(radius2, 1e-20F);
-    const Vec3 axis(node.axis[0], node.axis[1], node.axis[2]);
-    const float cosAxis = glm::dot(axis, away) / std::sqrt(glm::dot(axis, axis) * distance2);
+    if (distance2 <= radius2) return node.power / std::max(radius2, 1e-20F) * received(at, -away, 0, half, 0, -1);
+    const float inverse2 = 1 / std::max(distance2, 1e-20F);
+    const float inverse = std::sqrt(inverse2);
+    // What rounding the axis does to its length and direction is in the spread.
+    const float cosAxis = glm::dot(Vec3(node.axis[0], node.axis[1], node.axis[2]), away) * (kUnit * inverse);
     const float cosW = std::clamp((node.flags & LightNode::kTwoSided) != 0 ? std::fabs(cosAxis) : cosAxis, -1.0F, 1.0F);
     const float cosSpread = node.cosSpread * kUnit;
     // The angle between light and axis, less the spread, less the angle under which the box is seen; none of them below zero.
-    const float sinW = std::sqrt(1 - cosW * cosW);
-    const float sinSpread = std::sqrt(1 - cosSpread * cosSpread);
     const bool within = cosW >= cosSpread;
-    const float cosX = within ? 1.0F : cosW * cosSpread + sinW * sinSpread;
-    const float sinX = within ? 0.0F : sinW * cosSpread - cosW * sinSpread;
-    const float sin2Box = radius2 / distance2;
-    const float cosBox = std::sqrt(1 - sin2Box);
-    const float cosine = cosX >= cosBox ? 1.0F : cosX * cosBox + sinX * std::sqrt(sin2Box);
-    return cosine > node.cosReach * kUnit ? node.power * std::max(cosine, 0.0F) / std::max(distance2, 1e-20F) : 0.0F;
+    const float cosX = within ? 1.0F : cosW * cosSpread + std::sqrt((1 - cosW * cosW) * (1 - cosSpread * cosSpread));
+    const float sin2Box = radius2 * inverse2;
+    const float cosBox = std::sqrt(std::max(1 - sin2Box, 0.0F));
+    const float sinXBox = std::sqrt(std::max(1 - cosX * cosX, 0.0F) * sin2Box);
+    const float cosine = cosX >= cosBox ? 1.0F : cosX * cosBox + sinXBox;
+    if (!(cosine > node.cosReach * kUnit)) return 0;
+    return node.power * std::max(cosine, 0.0F) * inverse2 * received(at, -away, inverse, half, sin2Box, cosBox);
 }
 
-/// Irradiance that all lights of a tree could cause at a point together, up to a factor that all share and the receiver's cosine.
-inline float importance(const LightTree &tree, const Vec3 &point) {
-    return tree.nodes.empty() ? 0.0F : importance(tree.nodes.front(), point);
+/// received() of a node's box.
+inline float received(const Receiver &at, const LightNode &node) {
+    const Vec3 centre = 0.5F * (node.lower + node.upper);
+    const Vec3 half = node.upper - centre;
+    const Vec3 towards = centre - at.position;
+    const float inverse2 = 1 / glm::dot(towards, towards);
+    const float sin2Box = glm::dot(half, half) * inverse2;
+    if (!(sin2Box < 1)) return received(at, towards, 0, half, 0, -1);
+    return received(at, towards, std::sqrt(inverse2), half, sin2Box, std::sqrt(1 - sin2Box));
 }
 
-/// A light, and the probability with which it is chosen at a point; none where nothing can arrive.
+/// Light that all of a tree could cause at a receiver together, up to a factor that all share.
+inline float importance(const LightTree &tree, const Receiver &at) {
+    return tree.nodes.empty() ? 0.0F : importance(tree.nodes.front(), at);
+}
+
+/// A light, and the probability with which it is chosen at a receiver; none where nothing can arrive.
 struct LeafChoice {
     Index light = kNone;
     float probability = 0;
 };
 /// `choose` uniform in [0, 1).
-LeafChoice chooseLeaf(const LightTree &tree, const Vec3 &point, float choose);
-/// Probability with which chooseLeaf() returns a light at a point: its way down from the root.
-float leafProbability(const LightTree &tree, Index light, const Vec3 &point);
+LeafChoice chooseLeaf(const LightTree &tree, const Receiver &at, float choose);
+/// Probability with which chooseLeaf() returns a light at a receiver: its way down from the root.
+float leafProbability(const LightTree &tree, Index light, const Receiver &at);
 
 /// Calls `meet(light, farthest)` for every light whose rays can meet it and whose box, grown by what rounding may move, the ray
 /// enters before `farthest`. It returns what is farthest from then on.

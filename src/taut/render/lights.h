@@ -85,25 +85,25 @@ struct LightTable {
 void prepareChoice(LightTable &table);
 
 /// What follows where there is more than one choice.
-float probabilityAmong(const LightTable &table, const LightPart &part, const Vec3 &point);
+float probabilityAmong(const LightTable &table, const LightPart &part, const Receiver &at);
 
-/// Probability with which sampleLight chooses an entry (and its triangle, of a mesh emitter) at `point`: after the irradiance it could
-/// send there, unoccluded. Where the choices are few, and between the tree and what reaches everywhere, a share is spread evenly, so
+/// Probability with which sampleLight chooses an entry (and its triangle, of a mesh emitter) at a receiver: after the light it could
+/// cause there, unoccluded. Where the choices are few, and between the tree and what reaches everywhere, a share is spread evenly, so
 /// that no light is starved.
-inline float choiceProbability(const LightTable &table, const LightPart &part, const Vec3 &point) {
-    return table.choices == 1 ? 1.0F : probabilityAmong(table, part, point);
+inline float choiceProbability(const LightTable &table, const LightPart &part, const Receiver &at) {
+    return table.choices == 1 ? 1.0F : probabilityAmong(table, part, at);
 }
 
-/// The light that a number uniform in [0, 1) chooses at `point`, with the probability; none where none can send anything.
+/// The light that a number uniform in [0, 1) chooses at a receiver, with the probability; none where none can send anything.
 struct LightChoice {
     Index entry = kNone;
     Index triangle = 0;
     float probability = 0;
 };
-LightChoice chooseAmong(const LightTable &table, const Vec3 &point, float choose);
-inline LightChoice chooseLight(const LightTable &table, const Vec3 &point, float choose) {
+LightChoice chooseAmong(const LightTable &table, const Receiver &at, float choose);
+inline LightChoice chooseLight(const LightTable &table, const Receiver &at, float choose) {
     if (table.choices == 1) return {0, 0, 1};
-    return table.entries.empty() ? LightChoice{} : chooseAmong(table, point, choose);
+    return table.entries.empty() ? LightChoice{} : chooseAmong(table, at, choose);
 }
 
 // --- samples: light_sampling.cpp -------------------------------------------------------------------------------------
@@ -112,8 +112,8 @@ inline LightChoice chooseLight(const LightTable &table, const Vec3 &point, float
 /// uniform in [0, 1)^2.
 LightSample sampleLight(const LightTable &table, const LightChoice &choice, const Vec3 &point, float time, const Vec2 &number);
 /// The choice made as well.
-inline LightSample sampleLight(const LightTable &table, const Vec3 &point, float time, float choose, const Vec2 &number) {
-    return sampleLight(table, chooseLight(table, point, choose), point, time, number);
+inline LightSample sampleLight(const LightTable &table, const Receiver &at, float time, float choose, const Vec2 &number) {
+    return sampleLight(table, chooseLight(table, at, choose), at.position, time, number);
 }
 
 // --- hits: light_hits.cpp --------------------------------------------------------------------------------------------
@@ -136,10 +136,10 @@ inline void visitLightsMet(const LightTable &table, const Vec3 &origin, const Ve
         visitMetBy(table.tree, origin, direction, farthest, [&](Index part, float end) { return meet(table.parts[part].entry, end); });
 }
 
-/// Density with which sampleLight returns the direction of a hit, met from `point`.
-float lightHitPdf(const LightTable &table, const LightHit &hit, const Vec3 &point);
+/// Density with which sampleLight returns the direction of a hit, met by a ray from `at`.
+float lightHitPdf(const LightTable &table, const LightHit &hit, const Receiver &at);
 /// Density with which sampleLight returns the direction of a hit on a triangle of a mesh emitter at a time in the shutter: at distance t,
 /// on a surface whose normal makes |cos| with the ray.
-float emitterHitPdf(const LightTable &table, const LightPart &part, const Vec3 &point, float time, float t, float absCosine);
+float emitterHitPdf(const LightTable &table, const LightPart &part, const Receiver &at, float time, float t, float absCosine);
 
 } // namespace taut

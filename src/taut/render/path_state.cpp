@@ -108,7 +108,7 @@ void PathTracer::State::lookUpEscaped() {
         lookUpEnvironment(*lights.environment, sky);
         for (std::size_t k = 0; k < count; ++k) {
             const Index i = escaped[begin + k];
-            const float choice = choiceProbability(lights, {lights.environmentEntry, 0}, rays[i].origin);
+            const float choice = choiceProbability(lights, {lights.environmentEntry, 0}, paths[active[i]].receiver(rays[i].origin));
             seeEnvironment(paths[active[i]], sky.radiance.at(k), sky.pdf[k] * choice);
         }
     }
@@ -128,7 +128,7 @@ bool PathTracer::State::meetLights(Path &path, const Ray &ray, float farthest) {
             nearest = hit;
             return hit.t;
         }
-        const float weight = powerHeuristic(path.scatterPdf, lightHitPdf(lights, hit, ray.origin));
+        const float weight = powerHeuristic(path.scatterPdf, lightHitPdf(lights, hit, path.receiver(ray.origin)));
         addLight(path, path.throughput * entry.radiance * weight, [&] { return groupOfEntry(i); });
         return end;
     };

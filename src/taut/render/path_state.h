@@ -17,6 +17,7 @@ struct Path {
     Vec3 radiance{0};
     float alpha = 0;
     float scatterPdf = 0; ///< of the ray under way; 0: a camera ray
+    Vec3 normal{0};       ///< Receiver's where the ray under way comes from
     float etaScale = 1;
     Vec3 extinction{0}; ///< of the medium that the ray under way is in
     RayCone cone;       ///< of the ray under way, where a material looks textures up by it
@@ -25,6 +26,9 @@ struct Path {
     std::uint32_t sample = 0;
     std::uint32_t seed = 0; ///< of the pixel
     bool hasAovs = false;
+
+    /// What samples of lights saw where a ray of this path comes from.
+    [[nodiscard]] Receiver receiver(const Vec3 &origin) const { return {origin, normal}; }
 };
 
 struct ShadowTest {
@@ -54,7 +58,7 @@ struct PathTracer::State {
 
     std::unique_ptr<CameraLanes> cameraLanes = std::make_unique<CameraLanes>();
     std::vector<Path> paths;
-    std::vector<float> aovs; ///< [paths x channels]
+    std::vector<float> aovs;  ///< [paths x channels]
     std::vector<Vec2> places; ///< [paths] within the filters of pixels that share their samples
     std::vector<Index> active, stillActive;
     std::vector<Ray> rays, nextRays, shadowRays;
@@ -138,6 +142,7 @@ struct PathTracer::State {
     void lookUpSlopes(const SlopeMap &map, std::span<const Index> chunk, HitLanes &into);
     [[nodiscard]] SurfacePoint pointOf(std::size_t lane, const LaneMaterial &material) const;
     void seeEmissions(const LaneMaterial &material, std::span<const Index> chunk);
+    void connectAtOnce(int event, const LaneMaterial &material);
     void shadeAtOnce(int event, const LaneMaterial &material, std::span<const Index> chunk);
     /// What a light's contribution keeps on its way through the medium that the path is in, to a surface's `side` of the viewer (above 0).
     static void attenuate(const Path &path, float side, float distance, Vec3 &contribution) {

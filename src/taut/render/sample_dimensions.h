@@ -19,6 +19,7 @@ enum RareDimension : std::uint32_t {
     kWalkFirst = 0x10000000,
     kWalkLast = 0x20000000,
     kSurfaces = 0x40000000,
+    kCandidate = 0x50000000,
     kShadowSurfaces = 0x80000000
 };
 

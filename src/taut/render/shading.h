@@ -87,6 +87,11 @@ Multiscatter treatmentAt(const PreparedMaterial &prepared, float metallic, const
 SurfacePoint surfacePointAt(const RenderScene &scene, const std::vector<PreparedMaterial> &materials, const Hit &hit, const Vec3 &wo,
                             float time = 0, float coneWidth = 0);
 
+/// A point as lights see it, `normal` its geometric one on the viewer's side.
+inline Receiver receiverAt(const Vec3 &position, const Vec3 &normal, const Bsdf &bsdf) {
+    return {position, mayTransmit(bsdf) ? Vec3(0) : normal};
+}
+
 /// The point moved off the surface, to the viewer's side or the other, far enough that a ray from there does not meet it again.
 inline Vec3 offsetOrigin(const SurfacePoint &point, bool viewersSide) {
     return point.position + point.geometricNormal * (viewersSide ? point.clearance : -point.clearance);

@@ -20,7 +20,9 @@ struct PlacedDirectional {
     Vec3 direction;
     bool operator==(const PlacedDirectional &) const = default;
 
-    [[nodiscard]] float importance(float strength, const Vec3 & /*point*/) const { return strength; }
+    [[nodiscard]] float importance(float strength, const Receiver &at) const {
+        return strength * received(at, -direction, 1, Vec3(0), 0, 1);
+    }
     [[nodiscard]] LightSample sample(const Vec3 &radiance, const Vec3 & /*point*/, const Vec2 & /*number*/) const {
         return {-direction, kInfinity, radiance, 1, true};
     }

@@ -33,6 +33,27 @@ struct LightSample {
     bool delta = false; ///< can't be met by a scattered ray
 };
 
+/// What light falls on, seen from one side.
+struct Receiver {
+    Vec3 position{0};
+    Vec3 normal{0}; ///< unit, geometric, on that side: light from below it is lost; 0: it may come from everywhere
+};
+
+/// The least cosine that lights above the horizon are chosen by: an interpolated normal sees more of them than the triangle does.
+inline constexpr float kHorizonCosine = 0.05F;
+
+/// What light of a box counts for at a receiver, to choose by: the greatest cosine that it may come at, at least kHorizonCosine; 0 where
+/// all of the box is below the horizon. Its centre lies `towards` there and it reaches `half` further; it is seen within an angle whose
+/// cosine is `cosBox` and whose squared sine is `sin2Box` (Pharr, Jakob and Humphreys 2023, section 12.6.3).
+inline float received(const Receiver &at, const Vec3 &towards, float inverseDistance, const Vec3 &half, float sin2Box, float cosBox) {
+    if (at.normal == Vec3(0)) return 1;
+    const float height = glm::dot(at.normal, towards);
+    if (height + glm::dot(glm::abs(at.normal), half) < 0) return 0;
+    const float cosine = std::clamp(height * inverseDistance, -1.0F, 1.0F);
+    const float most = cosine >= cosBox ? 1.0F : cosine * cosBox + std::sqrt((1 - cosine * cosine) * sin2Box);
+    return std::max(most, kHorizonCosine);
+}
+
 /// Where a ray meets a light that is no geometry; at infinity where it does not.
 struct ShapeHit {
     float t = kInfinity;

@@ -7,8 +7,8 @@
 ///       fault()           what keys, each in range, may get wrong together, if they may
 ///       outline()         as it is seen, for the plan; without it: a light that reaches everywhere alike
 ///   struct PlacedDisk     what a frame makes of it, render space, trivially copyable, compared by ==, and
-///       importance(..)    irradiance that it could cause at a point, unoccluded, up to a common factor and the receiver's cosine;
-///                         zero only where it can send nothing
+///       importance(..)    irradiance that it could cause at a receiver, unoccluded, up to a common factor; the receiver's cosine is
+///                         left out where it has bounds(); zero only where it can send nothing
 ///       sample(..)        a sample, the choice between lights left out
 ///       bounds(..)        for the light tree, where it has an outline
 ///       meet(..), hitPdf(..)  where a ray meets it, and the density, times that of its choice, with which sample() returns the

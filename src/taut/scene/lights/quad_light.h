@@ -44,9 +44,9 @@ struct PlacedQuad {
     bool twoSided;
     bool operator==(const PlacedQuad &) const = default;
 
-    [[nodiscard]] float importance(float strength, const Vec3 &point) const {
-        if (!twoSided && glm::dot(point - corner, normal) <= 0) return 0;
-        return strength * std::min(2 * kPi, area * inverseDistance2(centre, point));
+    [[nodiscard]] float importance(float strength, const Receiver &at) const {
+        if (!twoSided && glm::dot(at.position - corner, normal) <= 0) return 0;
+        return strength * std::min(2 * kPi, area * inverseDistance2(centre, at.position));
     }
 
     [[nodiscard]] LightSample sample(const Vec3 &radiance, const Vec3 &point, const Vec2 &number) const {

@@ -26,8 +26,8 @@ struct PlacedSphere {
     float radius;
     bool operator==(const PlacedSphere &) const = default;
 
-    [[nodiscard]] float importance(float strength, const Vec3 &point) const {
-        return strength * kPi * std::min(2.0F, sqr(radius) * inverseDistance2(centre, point));
+    [[nodiscard]] float importance(float strength, const Receiver &at) const {
+        return strength * kPi * std::min(2.0F, sqr(radius) * inverseDistance2(centre, at.position));
     }
 
     /// 1 - cos of the half angle under which it is seen, without cancellation; 2 from inside.

@@ -32,7 +32,7 @@ struct PlacedSpot {
     float cosInner, cosOuter;
     bool operator==(const PlacedSpot &) const = default;
 
-    [[nodiscard]] float importance(float strength, const Vec3 &point) const { return strength * inverseDistance2(position, point); }
+    [[nodiscard]] float importance(float strength, const Receiver &at) const { return strength * inverseDistance2(position, at.position); }
 
     [[nodiscard]] LightSample sample(const Vec3 &intensity, const Vec3 &point, const Vec2 & /*number*/) const {
         return sampleOfPlace(intensity, position, point, [&](const Vec3 &towards) {
