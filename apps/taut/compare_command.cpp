@@ -28,7 +28,7 @@ struct CompareArguments {
     std::string output;
     double exposure = 0;
     double most = -1; ///< FLIP above which the exit code is 1; negative: none
-    int box = 1; ///< pixels across, whose means are compared
+    int box = 1;      ///< pixels across, whose means are compared
     bool json = false;
 };
 
@@ -192,10 +192,13 @@ int compare(const CompareArguments &arguments) {
     const Compared expected = comparedOf(reference, arguments.reference);
     const std::optional<chart::WelchTest> test = testOf(compared, expected);
     const int shortest = std::min(image.window.width(), image.window.height());
-    if (shortest < arguments.box) failInput({"--box"}, std::to_string(arguments.box), fmt::format("at most {}, the images' shorter side", shortest));
+    if (shortest < arguments.box)
+        failInput({"--box"}, std::to_string(arguments.box), fmt::format("at most {}, the images' shorter side", shortest));
     std::vector<float> flip;
     const Difference d = differenceOf(compared.rgb, expected.rgb, image.window, arguments.exposure, flip);
-    const auto boxed = [&](const std::vector<float> &rgb) { return chart::boxed(rgb, image.window.width(), image.window.height(), arguments.box); };
+    const auto boxed = [&](const std::vector<float> &rgb) {
+        return chart::boxed(rgb, image.window.width(), image.window.height(), arguments.box);
+    };
     const double boxedMse = chart::relativeMse(boxed(compared.rgb), boxed(expected.rgb));
     if (!arguments.output.empty()) {
         Image picture{image.window, image.width, image.height, {"FLIP", "A"}, {}};

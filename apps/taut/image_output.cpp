@@ -46,9 +46,8 @@ void checkWritable(const std::string &path) {
 }
 
 Metadata frameMetadata(const Scene &scene, double frame, const FilmLayers &layers) {
-    Metadata metadata{{"taut:version", TAUT_VERSION},
-                      {"taut:seed", std::to_string(scene.render.seed)},
-                      {"taut:frame", formatNumber(frame)}};
+    Metadata metadata{
+        {"taut:version", TAUT_VERSION}, {"taut:seed", std::to_string(scene.render.seed)}, {"taut:frame", formatNumber(frame)}};
     const Metadata mattes = matteMetadata(scene, layers);
     metadata.insert(metadata.end(), mattes.begin(), mattes.end());
     return metadata;

@@ -116,7 +116,8 @@ FrameOptions optionsOf(const RenderArguments &arguments, const RenderSettings &r
 void checkDenoiseFrames(const RenderArguments &arguments, const std::optional<Shard> &shard, bool fixedSeed) {
     if (!arguments.denoiseFrames) return;
     const auto refuse = [](const char *what) {
-        failInput({"--denoise-frames"}, std::string(what) + " beside it", "all frames in their order, or --denoise, which takes each for itself");
+        failInput({"--denoise-frames"}, std::string(what) + " beside it",
+                  "all frames in their order, or --denoise, which takes each for itself");
     };
     if (arguments.skipExisting) refuse("--skip-existing");
     if (!arguments.only.empty()) refuse("--only");
@@ -157,7 +158,8 @@ std::optional<Shard> shardOf(const RenderArguments &arguments, const FrameOption
         failUnknownName({"--shard-by"}, arguments.shardBy, kWays);
     }
     if (shard.by != ShardBy::Frames && shard.count > 1 && decidesForItself)
-        failInput({"--shard"}, "--error, --noise or --time, which decide about all samples of a frame together", "--spp, or --shard-by frames");
+        failInput({"--shard"}, "--error, --noise or --time, which decide about all samples of a frame together",
+                  "--spp, or --shard-by frames");
     return shard;
 }
 
@@ -195,7 +197,9 @@ void addSampleArguments(CLI::App &command, RenderArguments &arguments) {
                     "alpha, all (of these); crypto_object, crypto_material, lights, samples, variance")
         ->delimiter(',')
         ->allow_extra_args(false);
-    command.add_option("--crypto-ranks", arguments.cryptoRanks, "Objects, or materials, that Cryptomatte tells apart in a pixel: 2, 4, ... 32 (default: 6)")
+    command
+        .add_option("--crypto-ranks", arguments.cryptoRanks,
+                    "Objects, or materials, that Cryptomatte tells apart in a pixel: 2, 4, ... 32 (default: 6)")
         ->check(CLI::IsMember({2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30, 32}));
 }
 
@@ -209,7 +213,8 @@ void addRenderArguments(CLI::App &command, RenderArguments &arguments) {
     addImageArguments(command, arguments.image);
     command.add_option("--only", arguments.only, "Render only these of the frames; the plan looks at all of them");
     addSampleArguments(command, arguments);
-    command.add_flag("--denoise", arguments.denoise, "Take the noise out of the picture; the unfiltered one stays in the EXR (Noisy.R, G, B)");
+    command.add_flag("--denoise", arguments.denoise,
+                     "Take the noise out of the picture; the unfiltered one stays in the EXR (Noisy.R, G, B)");
     command.add_flag("--denoise-frames", arguments.denoiseFrames, "As --denoise, with what the frames before show of each point as well");
     command.add_option("--checkpoint", arguments.checkpoint, "Keep what there is in FRAME.checkpoint this often: 90s, 5m, 1h");
     command.add_flag("--resume", arguments.resume, "Go on from the checkpoint of a frame, where there is one");

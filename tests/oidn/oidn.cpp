@@ -70,14 +70,19 @@ void execute(Filter *filter) {
     if (!filter->committed) return world().fail(Error::InvalidOperation, "changes to the filter are not committed");
     const Picture &color = filter->images.at("color");
     const auto affinity = filter->device->parameters.find("setAffinity");
-    Execution execution{color.width, color.height, filter->parameters["hdr"], filter->parameters["cleanAux"],
-                        affinity == filter->device->parameters.end() || affinity->second, {}};
+    Execution execution{color.width,
+                        color.height,
+                        filter->parameters["hdr"],
+                        filter->parameters["cleanAux"],
+                        affinity == filter->device->parameters.end() || affinity->second,
+                        {}};
     for (const auto &[name, image] : filter->images)
         if (name != "output") execution.images[name] = valuesOf(image);
     const auto &images = execution.images;
     if (!areWithin(images.at("color"), 0, execution.hdr ? 3.4e38F : 1.0F)) world().fail(Error::InvalidArgument, "color beyond its range");
     if (images.count("albedo") != 0 && !areWithin(images.at("albedo"), 0, 1)) world().fail(Error::InvalidArgument, "albedo beyond [0, 1]");
-    if (images.count("normal") != 0 && !areWithin(images.at("normal"), -1, 1)) world().fail(Error::InvalidArgument, "normal beyond [-1, 1]");
+    if (images.count("normal") != 0 && !areWithin(images.at("normal"), -1, 1))
+        world().fail(Error::InvalidArgument, "normal beyond [-1, 1]");
     const Picture &output = filter->images.at("output");
     const std::vector<float> &from = images.at("color");
     for (std::size_t y = 0; y < color.height; ++y)

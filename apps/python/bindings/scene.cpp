@@ -103,8 +103,8 @@ void addScene(py::module_ &module) {
         .def(py::init([](std::shared_ptr<PythonScene> scene, double frame, int spp, int firstSample, const std::optional<double> &noise,
                          const std::array<int, 4> &crop, const std::vector<std::string> &aovs, const std::optional<std::uint32_t> &seed,
                          std::shared_ptr<PythonDenoiser> denoiser, bool isTimed) {
-                 return std::make_unique<Refinement>(std::move(scene), RefinementOptions{frame, spp, firstSample, noise, crop, aovs, seed,
-                                                                                         std::move(denoiser), isTimed});
+                 return std::make_unique<Refinement>(
+                     std::move(scene), RefinementOptions{frame, spp, firstSample, noise, crop, aovs, seed, std::move(denoiser), isTimed});
              }),
              py::arg("scene"), py::arg("frame"), py::arg("spp"), py::arg("first_sample"), py::arg("noise"), py::arg("crop"),
              py::arg("aovs"), py::arg("seed"), py::arg("denoiser"), py::arg("is_timed"))

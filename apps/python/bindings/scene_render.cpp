@@ -71,13 +71,25 @@ bool PythonScene::isPlanned(double frame) const {
     return planOptions_.full || (planned_ && frame >= *first && frame <= *last);
 }
 
+std::vector<std::string> PythonScene::warnings() const {
+    const std::lock_guard lock(warningsLock_);
+    return warnings_.lines;
+}
+
+void PythonScene::warn(const Warnings &more) {
+    const std::lock_guard lock(warningsLock_);
+    for (const std::string &line : more.lines) warnings_.add(line);
+}
+
 RenderScene &PythonScene::ready(bool planned) {
     if (ready_ && planned_ == planned) return *ready_;
     // A function of Python may throw on the way, and the scene must outlive that: it is taken over as a copy.
     Scene copy = scene();
     const bool animated = copy.render.frames.size() > 1 || std::any_of(copy.objects.begin(), copy.objects.end(), moves);
     if (!isGrounded_) {
-        ground_ = standOnGround(copy, warnings_);
+        Warnings found;
+        ground_ = standOnGround(copy, found);
+        warn(found);
         isGrounded_ = true;
     } else if (ground_) {
         standOn(*ground_, copy);
@@ -120,7 +132,10 @@ std::string PythonScene::exportFiles(const std::vector<std::string> &outputs, co
     const Alone alone(busy_);
     Scene copy = scene();
     if (!frames.empty()) copy.render.frames = parseFrameSet(frames, {"frames"});
-    return app::exportText(copy, outputs, objects, convention, positions, space, ascii, warnings_);
+    Warnings found;
+    std::string text = app::exportText(copy, outputs, objects, convention, positions, space, ascii, found);
+    warn(found);
+    return text;
 }
 
 py::dict PythonScene::glossAt(double frame, const std::string &name) {

@@ -32,7 +32,7 @@ class PythonScene {
 
     /// As it was read: without the ground that its pictures stand on.
     [[nodiscard]] const Scene &scene() const { return loaded_; }
-    [[nodiscard]] const std::vector<std::string> &warnings() const { return warnings_.lines; }
+    [[nodiscard]] std::vector<std::string> warnings() const;
     /// As `taut info --json`.
     std::string plan();
     /// As `taut export --json`, with what it warned of added to warnings().
@@ -51,6 +51,8 @@ class PythonScene {
     [[nodiscard]] Index objectNamed(const std::string &name) const;
 
     Scene loaded_;
+    void warn(const Warnings &more);
+    mutable std::mutex warningsLock_; // a thread may read them while another works without Python's lock
     Warnings warnings_;
     bool isGrounded_ = false; // whether a ground was looked for
     std::optional<Ground> ground_;

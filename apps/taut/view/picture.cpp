@@ -17,7 +17,7 @@ static_assert(std::endian::native == std::endian::little, "words are written as 
 
 namespace {
 
-constexpr std::size_t kColour = 4;              // R G B A
+constexpr std::size_t kColour = 4;             // R G B A
 constexpr std::string_view kMattes = "Crypto"; // what channels of mattes begin with
 
 /// One for each id: hues far apart, none dark.

@@ -15,12 +15,12 @@ struct PictureLabel {
     std::uint32_t number = 0;  ///< of all pictures of a session, increasing
     std::uint32_t version = 0; ///< of the changes that it shows
     std::int32_t frame = 0;
-    bool follows = true;  ///< false: roughness held fixed
-    int width = 0;        ///< of the whole frame; the picture may have fewer pixels
+    bool follows = true; ///< false: roughness held fixed
+    int width = 0;       ///< of the whole frame; the picture may have fewer pixels
     int height = 0;
-    int samples = 0;      ///< a pixel
-    int wanted = 0;       ///< when it is done
-    bool done = false;    ///< it is what `taut render` makes
+    int samples = 0;        ///< a pixel
+    int wanted = 0;         ///< when it is done
+    bool done = false;      ///< it is what `taut render` makes
     float milliseconds = 0; ///< from the change that it is the first picture of; 0: it is not
 };
 

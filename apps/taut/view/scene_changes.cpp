@@ -150,7 +150,8 @@ std::vector<std::string> SceneChanges::overrides() const {
 }
 
 /// The TOML of a change; none: it takes the override back.
-std::optional<std::string> SceneChanges::textOf(const nlohmann::json &change, const std::string &key, const Overrides &so, int frame) const {
+std::optional<std::string> SceneChanges::textOf(const nlohmann::json &change, const std::string &key, const Overrides &so,
+                                                int frame) const {
     const auto text = change.find("text");
     const auto value = change.find("value");
     if (text == change.end() && value == change.end()) failInput({key}, "neither value nor text", "one of them");
@@ -163,7 +164,8 @@ std::optional<std::string> SceneChanges::textOf(const nlohmann::json &change, co
     } else {
         TomlValue made = tomlOf(given, key);
         const auto atFrame = change.find("atFrame");
-        if (atFrame != change.end() && !atFrame->is_boolean()) failInput({key}, std::string("atFrame of ") + atFrame->type_name(), "true or false");
+        if (atFrame != change.end() && !atFrame->is_boolean())
+            failInput({key}, std::string("atFrame of ") + atFrame->type_name(), "true or false");
         if (atFrame != change.end() && atFrame->get<bool>()) {
             const TomlValue tree = treeWith(joined(arguments_.overrides, so));
             made = withValueAt(findKey(tree, key), frame, std::move(made));

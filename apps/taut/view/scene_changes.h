@@ -21,8 +21,8 @@ class SceneChanges {
     /// Reads the scene and stands it on its ground; where that turns it, it does so by an override. Throws InputError.
     SceneChanges(SceneArguments arguments, Warnings &warnings);
 
-    /// Takes changes in, all or none: an array of {"key": "material.brushed.alpha", "value": JSON}, or "text": TOML as after -D key=; null in
-    /// either takes the override back. With "atFrame" a keyed value changes at that frame alone. Returns an array that undoes them.
+    /// Takes changes in, all or none: an array of {"key": "material.brushed.alpha", "value": JSON}, or "text": TOML as after -D key=; null
+    /// in either takes the override back. With "atFrame" a keyed value changes at that frame alone. Returns an array that undoes them.
     /// Throws InputError where the result is no scene.
     nlohmann::json apply(const nlohmann::json &changes, int frame);
 
@@ -45,7 +45,8 @@ class SceneChanges {
     [[nodiscard]] std::string sceneText() const;
 
   private:
-    [[nodiscard]] std::optional<std::string> textOf(const nlohmann::json &change, const std::string &key, const Overrides &so, int frame) const;
+    [[nodiscard]] std::optional<std::string> textOf(const nlohmann::json &change, const std::string &key, const Overrides &so,
+                                                    int frame) const;
     [[nodiscard]] std::optional<Ground> groundFor(const Scene &scene, const Touched &touched) const;
     [[nodiscard]] TomlValue treeWith(const std::vector<std::string> &overrides) const;
 
@@ -53,7 +54,7 @@ class SceneChanges {
     std::shared_ptr<SceneCache> cache_ = makeSceneCache();
     Overrides changed_;
     std::optional<Ground> ground_; ///< of scene_
-    std::optional<Scene> whole_; ///< as it was first read, with its environment, until somebody wants it
+    std::optional<Scene> whole_;   ///< as it was first read, with its environment, until somebody wants it
     Scene scene_;
     TomlValue tree_;
     Touched touched_;

@@ -31,7 +31,8 @@ class ViewSession {
 
     /// What there is to know for a page: docs/view.md lists it.
     nlohmann::json state();
-    /// {"changes": [...], "frame": N, "wipe": bool, "channel": "stretch", "denoise": bool}, each where it changes; state(), with "undo". Throws InputError.
+    /// {"changes": [...], "frame": N, "wipe": bool, "channel": "stretch", "denoise": bool}, each where it changes; state(), with "undo".
+    /// Throws InputError.
     nlohmann::json change(const nlohmann::json &request);
     /// The scene's view transform (viewTable).
     [[nodiscard]] std::string viewOfScene() const { return viewTable(changes_.scene().image.view); }
@@ -51,12 +52,12 @@ class ViewSession {
         LiveScene live;
         std::unique_ptr<FrameRender> frame{};
         bool follows = true;
-        int number = 0;      ///< of the frame under way
-        std::string channel{}; ///< of it
-        bool denoise = false;  ///< whether it keeps what that takes
+        int number = 0;                  ///< of the frame under way
+        std::string channel{};           ///< of it
+        bool denoise = false;            ///< whether it keeps what that takes
         std::optional<Image> denoised{}; ///< once it is whole
-        int shown = 0;       ///< samples of the last picture
-        bool done = false;   ///< the last picture is whole and planned for
+        int shown = 0;                   ///< samples of the last picture
+        bool done = false;               ///< the last picture is whole and planned for
     };
     struct Wanted {
         std::uint32_t version = 0;

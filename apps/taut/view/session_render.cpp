@@ -80,7 +80,8 @@ void ViewSession::beginVersion() {
             stage.frame.reset();
             continue;
         }
-        if (stage.frame && !now_.scene[i] && stage.number == now_.frame && stage.channel == now_.channel && stage.denoise == now_.denoise) { // it goes on
+        if (stage.frame && !now_.scene[i] && stage.number == now_.frame && stage.channel == now_.channel &&
+            stage.denoise == now_.denoise) { // it goes on
             if (stage.done) show(stage, stage.frame->filmAtRest(), true);
             continue;
         }
@@ -227,7 +228,10 @@ void ViewSession::show(Stage &stage, const Film &film, bool whole) {
     bool allDone = whole;
     for (const Stage &other : stages_) allDone = allDone && (!other.frame || other.done);
     const std::lock_guard lock(mutex_);
-    status_ = {{"version", label.version}, {"samples", label.samples}, {"done", allDone}, {"built", stages_[0].live.built()},
+    status_ = {{"version", label.version},
+               {"samples", label.samples},
+               {"done", allDone},
+               {"built", stages_[0].live.built()},
                {"seconds", stage.frame ? stage.frame->seconds() : 0.0}};
     Picture &newest = pictures_[stage.follows ? 0 : 1];
     newest = std::move(picture);

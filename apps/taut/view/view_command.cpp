@@ -160,7 +160,8 @@ void addOverrides(const ImageArguments &image, std::vector<std::string> &overrid
 }
 
 int view(const ViewArguments &arguments) {
-    if (arguments.model.error) failInput({"--error"}, "a view, whose pictures go on to the scene's samples", "--tolerance, for the models alone");
+    if (arguments.model.error)
+        failInput({"--error"}, "a view, whose pictures go on to the scene's samples", "--tolerance, for the models alone");
     const auto threads = limitThreads(arguments.scene.threads);
     HttpOptions options;
     options.host = arguments.host;

@@ -42,7 +42,7 @@ constexpr float kShareByBounds = 0.3F;
 /// Share of the asked error that is aimed at; the rest is for what is not known of the noise before the end.
 constexpr double kAim = 0.96;
 constexpr std::array<int, 2> kEventLimits{2, 4};
-constexpr int kFewestSteps = 2; // within a shutter
+constexpr std::array<int, 2> kMotionSteps{2, 3};
 /// Share of the rays that a limit of events must save: where pilots see hardly any path that is longer, they don't see its light either,
 /// which may be rare and bright.
 constexpr float kLeastRaysSaved = 0.05F;
@@ -108,8 +108,8 @@ class PilotedPlan {
             variants += isAsked(asked_, value) ? 1 : 0;
         variants += asksForEvents() ? static_cast<int>(kEventLimits.size()) : 0;
         if (asksForMotion()) {
-            spent += time_.build(levels(base));
-            ++variants;
+            spent += static_cast<double>(kMotionSteps.size()) * time_.build(levels(base));
+            variants += static_cast<int>(kMotionSteps.size());
         }
         const double left = affordable() - spent;
         const double window = time_.samples(2.0 * kSamples * kPilotWindow * kPilotWindow * variants);
@@ -123,8 +123,11 @@ class PilotedPlan {
         return (options_.error || options_.tolerance) && scene_.render.maxEvents > kEventLimits.front();
     }
 
+    /// Of one frame alone: which of many moves most, pilots don't know.
     [[nodiscard]] bool asksForMotion() const {
-        return (options_.error || options_.tolerance) && scene_.render.shutter > 0 && scene_.render.motionSteps > kFewestSteps;
+        const RenderSettings &render = scene_.render;
+        return (options_.error || options_.tolerance) && render.frames.size() == 1 && render.shutter > 0 &&
+               render.motionSteps > kMotionSteps.front() && std::any_of(scene_.objects.begin(), scene_.objects.end(), moves);
     }
 
     [[nodiscard]] Scene copyOfScene() const {
@@ -176,8 +179,8 @@ class PilotedPlan {
         reference_ = picture(*full_);
         note(base > 0 ? ChoiceValue(SubdivisionLevel{base}) : ChoiceValue(Multiscatter::Walk), reference_);
         measureMaterials(*full_);
-        measureEvents(*full_);
-        measureMotion(base);
+        if (asksForEvents()) measureEvents(*full_);
+        if (asksForMotion()) measureMotion(base);
         if (base == 0) return; // what is built serves to verify a plan that changes no mesh
         full_.reset();
         measureLevels(base);
@@ -207,7 +210,6 @@ class PilotedPlan {
     }
 
     void measureEvents(const RenderScene &ready) {
-        if (!asksForEvents()) return;
         Question question;
         for (const int limit : kEventLimits) {
             if (limit >= scene_.render.maxEvents) break;
@@ -219,17 +221,17 @@ class PilotedPlan {
         events_ = std::move(question);
     }
 
-    /// Lines instead of a path: the error falls to a fourth where there are twice as many.
     void measureMotion(int base) {
-        if (!asksForMotion()) return;
-        ScenePlan plan = fullAt(levels(base));
-        plan.motionSteps = kFewestSteps;
-        RenderScene ready(copyOfScene(), std::move(plan), false);
-        ready.setFrame(planner_.hardestFrame());
-        auto error = static_cast<float>(note(MotionSteps{kFewestSteps}, picture(ready)));
         Question question;
-        for (int steps = kFewestSteps; steps < scene_.render.motionSteps; steps = 2 * steps - 1, error /= 4)
-            question.choices.push_back({MotionSteps{steps}, error, static_cast<float>(steps), 0, {}});
+        for (const int steps : kMotionSteps) {
+            if (steps >= scene_.render.motionSteps) break;
+            ScenePlan plan = fullAt(levels(base));
+            plan.motionSteps = steps;
+            RenderScene ready(copyOfScene(), std::move(plan), false);
+            ready.setFrame(planner_.hardestFrame());
+            const double error = note(MotionSteps{steps}, picture(ready));
+            question.choices.push_back({MotionSteps{steps}, static_cast<float>(error), static_cast<float>(steps), 0, {}});
+        }
         question.choices.push_back({MotionSteps{scene_.render.motionSteps}, 0, static_cast<float>(scene_.render.motionSteps), 0, {}});
         motion_ = std::move(question);
     }
@@ -266,7 +268,6 @@ class PilotedPlan {
         if (plan.motion) plan.motionSteps = fewer(plan.motion->answer<MotionSteps>().steps, scene_.render.motionSteps);
         return plan;
     }
-    /// 0 where a limit is none.
     static int fewer(int limit, int most) { return limit < most ? limit : 0; }
 
     [[nodiscard]] const PilotFinding *findingOf(const ChoiceValue &value) const {

@@ -61,8 +61,10 @@ void ColourSums::fill(const Film &film, const Window &window, std::vector<double
     for (int y = window.y0; y < window.y1; ++y)
         for (int x = window.x0; x < window.x1; ++x, next += perPixel) {
             if (shared != nullptr) {
-                const float *shares = shared->at(x, y).front().data();
-                for (std::size_t k = 0; k < kShared; ++k) next[k] = static_cast<double>(shares[k]);
+                const SharedSums::Shares &shares = shared->at(x, y);
+                for (std::size_t i = 0; i < SharedSums::kValues; ++i)
+                    for (std::size_t k = 0; k < SharedSums::kShares; ++k)
+                        next[i * SharedSums::kShares + k] = static_cast<double>(shares[i][k]);
             } else {
                 for (std::size_t channel = 0; channel < 3; ++channel) next[channel] = film.sumAt(x, y, channel).value();
             }

@@ -260,10 +260,12 @@ Denoised denoise(const Film &film) {
     whole.error.resize(count);
     parallelFor(static_cast<std::size_t>(window.height()), 16, [&](std::size_t row) {
         const int y = window.y0 + static_cast<int>(row);
-        for (std::size_t x = 0; x < width; ++x)
+        for (std::size_t across = 0; across < width; ++across) {
+            const int x = window.x0 + static_cast<int>(across);
+            const double inverse = 1.0 / film.samplesAt(x, y); // as Film::colours() has it, to the bit
             for (std::size_t c = 0; c < 3; ++c)
-                whole.rgb[3 * (row * width + x) + c] = static_cast<float>(film.sumAt(window.x0 + static_cast<int>(x), y, c).value() /
-                                                                          film.samplesAt(window.x0 + static_cast<int>(x), y));
+                whole.rgb[3 * (row * width + across) + c] = static_cast<float>(film.sumAt(x, y, c).value() * inverse);
+        }
     });
     if (part.empty()) return whole;
     const Denoised own = filtered(denoisePixelsOf(film, part), darkestOf(film));

@@ -14,7 +14,8 @@ namespace {
 /// Variance of the means of features up to which the library is told that they have no noise: what probes leave at outlines.
 constexpr float kCleanNoise = 0.01F;
 
-/// Channels side by side, held at what the library takes: albedo is at most 1. A pixel without a sample in one half, or with one that is not believed, is given the mean.
+/// Channels side by side, held at what the library takes: albedo is at most 1. A pixel without a sample in one half, or with one that is
+/// not believed, is given the mean.
 std::vector<float> interleaved(const DenoisePixels &pixels, const std::array<Plane, 3> &planes, const Plane *share, float most) {
     std::vector<float> values(3 * pixels.count());
     for (std::size_t i = 0; i < pixels.count(); ++i)
@@ -53,7 +54,7 @@ Regressed openImageDenoise(const DenoisePixels &pixels) {
     const auto width = static_cast<std::size_t>(pixels.width);
     const auto height = static_cast<std::size_t>(pixels.height);
     oidn::DeviceRef device = oidn::newDevice(oidn::DeviceType::CPU);
-    throwErrors(device); // none can be made
+    throwErrors(device);              // none can be made
     device.set("setAffinity", false); // the threads' places are TBB's to choose
     device.commit();
     const bool clean = areClean(pixels);
@@ -61,7 +62,8 @@ Regressed openImageDenoise(const DenoisePixels &pixels) {
         oidn::FilterRef filter = device.newFilter("RT");
         std::vector<oidn::BufferRef> buffers;
         std::vector<float> result(3 * pixels.count());
-        put(device, filter, "color", interleaved(pixels, pixels.half[half], &pixels.share[half], std::numeric_limits<float>::max()), width, height, buffers);
+        put(device, filter, "color", interleaved(pixels, pixels.half[half], &pixels.share[half], std::numeric_limits<float>::max()), width,
+            height, buffers);
         put(device, filter, "albedo", interleaved(pixels, pixels.albedo, nullptr, 1), width, height, buffers);
         put(device, filter, "normal", interleaved(pixels, pixels.normal, nullptr, 1), width, height, buffers);
         put(device, filter, "output", result, width, height, buffers);

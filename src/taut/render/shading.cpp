@@ -105,8 +105,10 @@ std::vector<PreparedMaterial> prepareMaterials(const Scene &scene, const ScenePl
     for (Index i = 0; i < std::max<std::size_t>(scene.materials.size(), 1); ++i) {
         const Material &material = scene.materialAt(i);
         const MultiscatterPlan model = i < plan.materials.size() ? plan.materials[i] : MultiscatterPlan{};
-        const float waste =
-            multiscatterOf(material, model.model) == Multiscatter::Walk ? 1 : plan.bearableWaste; // walks draw their facets themselves
+        // Walks draw their facets themselves; a coat over them, and paint where a texture tells it from metal, do not.
+        const bool walksAlone = multiscatterOf(material, model.model) == Multiscatter::Walk && material.clearcoat.value <= 0 &&
+                                material.metallic.texture == kNone;
+        const float waste = walksAlone ? 1 : plan.bearableWaste;
         prepared.push_back({&material, coatEscape(material.ior), model, waste, extinctionOf(material),
                             i < plan.details.size() && plan.details[i].detail == TextureDetail::Moments});
     }

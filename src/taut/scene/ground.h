@@ -16,12 +16,12 @@ namespace taut {
 inline constexpr std::size_t kMostFramesLookedAt = 64;
 
 struct Ground {
-    bool yUp = false;  ///< it is a mesh whose file says nothing of up, and stands with y up (upright.h)
-    double height = 0; ///< world z
-    DVec2 centre{0};   ///< world x, y
-    double radius = 1; ///< where it has faded away
+    bool yUp = false;      ///< it is a mesh whose file says nothing of up, and stands with y up (upright.h)
+    double height = 0;     ///< world z
+    DVec2 centre{0};       ///< world x, y
+    double radius = 1;     ///< where it has faded away
     double seenRadius = 1; ///< of a sphere about what stands on it
-    DVec3 position{0}; ///< of a camera that frames all that is seen at these frames, with room around it
+    DVec3 position{0};     ///< of a camera that frames all that is seen at these frames, with room around it
     DVec3 lookAt{0};
 };
 

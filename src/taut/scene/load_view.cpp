@@ -48,9 +48,9 @@ void setGltfCamera(Camera &camera, const GltfFile &file, RigMotion motion, Index
 
 void loadRender(LoadContext &context, const TomlValue &section) {
     RenderSettings &render = context.scene.render;
-    TableReader table(section, "[render]",
-                      {"width", "height", "spp", "max_events", "frames", "fps", "seed", "fixed_seed", "filter", "shutter", "motion_steps",
-                       "ground"});
+    TableReader table(
+        section, "[render]",
+        {"width", "height", "spp", "max_events", "frames", "fps", "seed", "fixed_seed", "filter", "shutter", "motion_steps", "ground"});
     table.read("width", render.width, integerIn(kImageSide));
     table.read("height", render.height, integerIn(kImageSide));
     table.read("spp", render.spp, integerIn(kSpp));

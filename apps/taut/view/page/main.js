@@ -58,8 +58,9 @@ function draw() {
 // How the scene says it is to be seen (its [image]), until the hand says otherwise.
 let seenAs = '';
 async function takeImage(image) {
-  if (JSON.stringify(image) === seenAs) return;
-  seenAs = JSON.stringify(image);
+  const text = JSON.stringify(image);
+  if (text === seenAs) return;
+  seenAs = text;
   const own = $('transform').querySelector('[value="3"]');
   own.hidden = own.disabled = image.own;
   own.textContent = image.view;
@@ -68,6 +69,7 @@ async function takeImage(image) {
     try {
       display.takeView(await api.view());
     } catch (error) {
+      if (seenAs === text) seenAs = ''; // to be tried again
       return trouble(error.message);
     }
   }
