@@ -8,7 +8,7 @@
 namespace taut {
 
 /// Share of reflections that may be lost to the horizon before the sampler that loses none is worth its preparation.
-inline constexpr float kBearableWaste = 0.1F;
+inline constexpr float kBearableWaste = 0.02F;
 
 /// A film whose interference colours what is reflected (thin_film.h).
 struct ThinFilm {

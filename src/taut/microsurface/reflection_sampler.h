@@ -16,59 +16,81 @@
 
 namespace taut {
 
-/// Samples wi given wo; prepared once for a (M, wo). Local shading space, unit vectors, densities in solid angle.
-///
-/// Upright M and wo.z > 0: the share of samples below the horizon was under 0.2 % for every M and wo tried, about 1e-6 on average.
-/// Elsewhere (a leaning M, wo below the horizon, values outside float's range) bounded or full spherical caps, or chords
-/// (ggx::prefersChords).
-class ReflectionSampler {
-  public:
-    /// Bounded caps are prepared sooner than the cone, which pays off where they reject more than `bearableWaste` of the samples seen
-    /// from the normal (capWaste); 0: the cone wherever it can be had.
-    ReflectionSampler(const MicroTransform &m, const Vec3 &wo, float bearableWaste = 0) : m_(m), wo_(wo) {
-        if (prefersCone(m, wo, bearableWaste)) prepareCone();
-        if (!cone_) prepareCap();
+/// The cone of the standard normals that reflect above the horizon, for a (M, wo): M upright, wo.z > 0. Without branches, for loops over
+/// many.
+struct ReflectionCone {
+    Vec3 axisNormal{0, 0, 1}; ///< M^-T e, the cone's axis in local space
+    Vec3 disk{1, 0, 1};       ///< [x 0; y z]: unit disk to M^-T (b, 0)
+    Vec2 along{0, 0};         ///< e.b as a linear form of the disk
+    Vec2 tilt{0, 0};          ///< o.(b - (e.b) e) / o.e as a linear form of the disk
+    float inverseAxis = 1;
+    float pdfScale = 0;  ///< density over D
+    bool usable = false; ///< within float's range
+
+    [[gnu::always_inline]] static ReflectionCone of(const MicroTransform &m, const Vec3 &wo) {
+        ReflectionCone cone;
+        const float inverseZ = 1 / wo.z;
+        const float skew = -m.b * m.inverseA * m.inverseD; // M^-1 = [1/a skew; 0 1/d]
+        const float nXY = skew * m.inverseD;
+        const float nYY = sqr(m.inverseD);
+        const Vec2 tangent(wo.x * inverseZ, wo.y * inverseZ);
+        const Vec2 t(m.inverseA * tangent.x + skew * tangent.y, m.inverseD * tangent.y);
+        Invariants n;
+        n.trace = sqr(m.inverseA) + sqr(skew) + nYY;
+        n.det = sqr(m.inverseA * m.inverseD);
+        const Vec2 adjoint = n.det * Vec2(m.a * tangent.x, m.b * tangent.x + m.d * tangent.y); // adj(N) t = det N M^T tau
+        n.t2 = glm::dot(t, t);
+        n.tangent2 = glm::dot(tangent, tangent);
+        n.adjoint2 = glm::dot(adjoint, adjoint);
+
+        const float axis = n.axisFromAbove();
+        const float q = n.determinant(axis);
+        const float inverseQ = 1 / q;
+        const float inverseRootQ = std::sqrt(inverseQ);
+        const float slope = 1 + n.square(axis) * inverseQ * inverseQ; // |e|^2 / e.z^2
+        const float facing = 1 + n.form(axis) * inverseQ;             // o.e / (o.z e.z)
+        const float inverseRoot = 1 / std::sqrt(axis + nYY);
+        // Density over D, eq. (9): 1 / (4 L(wo) o.e A B), A B the product of the ellipse's half axes.
+        cone.pdfScale = slope * q * inverseRootQ / (4 * wo.z * axis * facing);
+        cone.usable = (cone.pdfScale > 0) & (cone.pdfScale < kInfinity) & (slope < kInfinity);
+
+        // sqrt(axis) W, with W W^T = (axis + N)^-1 lower triangular, takes the unit disk to the ellipse, seen along z, eq. (7);
+        // M^-T of it the same in local space, where what cancels has cancelled on paper.
+        const float eZ = 1 / std::sqrt(slope);
+        const float root = std::sqrt(axis);
+        const float wXX = root * inverseRootQ * (axis + nYY) * inverseRoot;
+        const float wYX = -root * inverseRootQ * nXY * inverseRoot;
+        const float wYY = root * inverseRoot;
+        cone.disk = Vec3(m.inverseA * wXX, skew * axis * root * inverseRootQ * inverseRoot, m.inverseD * wYY);
+        const Vec2 e = eZ * inverseQ * (axis * t + adjoint);
+        cone.along = Vec2(wXX * e.x + wYX * e.y, wYY * e.y);
+        const float inverseFacing = 1 / (facing * eZ);
+        cone.tilt = inverseFacing * Vec2(wXX * t.x + wYX * t.y, wYY * t.y) - cone.along;
+        cone.inverseAxis = 1 / axis;
+        // M^-T e.
+        const float scale = eZ * inverseQ;
+        const float across = axis * m.inverseA * t.x;
+        cone.axisNormal =
+            Vec3(scale * (n.det * tangent.x + across), scale * (n.det * tangent.y + axis * (skew * t.x + m.inverseD * t.y)), eZ);
+        return cone;
     }
 
-    /// Whether bounded caps reject more than `share` of the samples at wo = z. With a the smaller alpha or 1 they keep
-    /// (1 + a^2) / sqrt((1 + alphaX^2) (1 + alphaY^2)) of them, eq. (8) over what the bound leaves; at other wo about as much.
-    static bool capsWaste(const MicroTransform &m, float share) {
-        const SlopeTensor<float> sigma = slopeTensor(m);
-        const float all = sqr(1 - share) * (1 + sigma.xx + sigma.yy + sigma.determinant);
-        return (all > 1) & (all > sqr(1 + std::min(sigma.smaller(), 1.0F)));
+    /// A micro-normal (local space, not normalised) whose standard one, M^T wm, has the density o.m on the cone.
+    [[nodiscard]] Vec3 normal(const Vec2 &u, float coin) const {
+        const Vec2 p = std::sqrt(u.y) * unitCircle(u.x);
+        // M^-T (b, 0) with b the point of the ellipse, seen along z; it lies at b - (e.b) e across the axis.
+        const Vec2 point(disk.x * p.x, disk.y * p.x + disk.z * p.y);
+        const float across = glm::dot(along, p); // e.b
+        // e.m = sqrt(1 - |b|^2 + (e.b)^2), eq. (10), without cancellation.
+        const float height = std::sqrt((1 - u.y) + glm::dot(point, point) * inverseAxis + across * across);
+        // Where o.m is less than for the mirror image, that gets the difference, eq. (11).
+        const bool isMirrored = coin * height < -glm::dot(tilt, p);
+        const Vec2 b(isMirrored ? -point.x : point.x, isMirrored ? -point.y : point.y);
+        const float rest = height - (isMirrored ? -across : across);
+        return {b.x + rest * axisNormal.x, b.y + rest * axisNormal.y, rest * axisNormal.z};
     }
-    /// Whether a sampler made with this `bearableWaste` will try the cone.
-    static bool prefersCone(const MicroTransform &m, const Vec3 &wo, float bearableWaste) {
-        return canSampleCone(m, wo) & ((bearableWaste <= 0) | capsWaste(m, bearableWaste));
-    }
-
-    /// wi with density pdf(wi), or nothing where the sampled normal reflects below the horizon. u and coin are uniform in [0, 1).
-    [[nodiscard]] std::optional<Vec3> sample(const Vec2 &u, float coin) const {
-        const Vec3 wm = cone_ ? coneNormal(u, coin) : ggx::spreadVisibleNormal(m_, wo_, u, capBound_);
-        const Vec3 wi = (2 * glm::dot(wo_, wm) / glm::dot(wm, wm)) * wm - wo_;
-        if (!(wi.z > 0)) return std::nullopt;
-        return wi;
-    }
-    /// sample() for callers with two numbers: the coin is hashed from the bits of u.
-    [[nodiscard]] std::optional<Vec3> sample(const Vec2 &u) const { return sample(u, coinFrom(u)); }
-
-    /// Density of sample(): D(wm) times a constant; 0 for wi below the horizon.
-    [[nodiscard]] float pdf(const Vec3 &wi) const { return wi.z > 0 ? ggx::distribution(m_, wo_, wi) * pdfScale_ : 0.0F; }
-
-    /// pdf(wi) / D(wm), the same for every wi: an evaluation that has D at hand needs no more.
-    [[nodiscard]] float pdfScale() const { return pdfScale_; }
-    /// Whether the cone is sampled; false where caps stand in for it.
-    [[nodiscard]] bool samplesCone() const { return cone_; }
-    /// The share of all visible normals that reflect above the horizon, eq. (8), from above and within 0.2 % of itself: what the
-    /// full cap keeps. Only where samplesCone().
-    [[nodiscard]] float reflectedShare() const { return 1 / (2 * (wo_.z + ggx::stretchedLength(m_, wo_)) * pdfScale_); }
 
   private:
-    static bool canSampleCone(const MicroTransform &m, const Vec3 &wo) { return m.upright() & (wo.z > kLeastCosine); }
-
-    /// Below this wo.z nothing is lost to the horizon that a float could tell.
-    static constexpr float kLeastCosine = 1e-6F;
-
     /// K / o.z = [-N t; t^T 1] in the standard space of the triangular M, N the 2x2 block of M^-1 M^-T, by its invariants.
     struct Invariants {
         float trace;    ///< of N
@@ -90,82 +112,75 @@ class ReflectionSampler {
                 const float sum = 1 + beta;
                 return 1 + 2 * alpha / (sum + std::sqrt(sum * sum + 4 * alpha));
             };
-            float x = root(t2, std::fmax(0.0F, trace - det * tangent2 / std::fmax(t2, 1e-30F)));
-            const float ratio = form(x) / std::fmax(square(x), 1e-36F);
-            x = root(form(x) * ratio, std::fmax(0.0F, determinant(x) * ratio - x));
+            float x = root(t2, std::max(0.0F, trace - det * tangent2 / std::max(1e-30F, t2)));
+            const float ratio = form(x) / std::max(1e-36F, square(x));
+            x = root(form(x) * ratio, std::max(0.0F, determinant(x) * ratio - x));
             const float q = determinant(x);
             x -= ((x - 1) * q - form(x)) / (q + (x - 1) * (2 * x + trace) - t2);
             return x + 4e-7F * x; // rounding must not turn it into a lower bound
         }
     };
+};
 
-    [[gnu::noinline]] void prepareCone() {
-        const float inverseZ = 1 / wo_.z;
-        const float skew = -m_.b * m_.inverseA * m_.inverseD; // M^-1 = [1/a skew; 0 1/d]
-        const float nXY = skew * m_.inverseD;
-        const float nYY = sqr(m_.inverseD);
-        const Vec2 tangent(wo_.x * inverseZ, wo_.y * inverseZ);
-        const Vec2 t(m_.inverseA * tangent.x + skew * tangent.y, m_.inverseD * tangent.y);
-        Invariants n;
-        n.trace = sqr(m_.inverseA) + sqr(skew) + nYY;
-        n.det = sqr(m_.inverseA * m_.inverseD);
-        const Vec2 adjoint = n.det * Vec2(m_.a * tangent.x, m_.b * tangent.x + m_.d * tangent.y); // adj(N) t = det N M^T tau
-        n.t2 = glm::dot(t, t);
-        n.tangent2 = glm::dot(tangent, tangent);
-        n.adjoint2 = glm::dot(adjoint, adjoint);
-
-        const float axis = n.axisFromAbove();
-        const float q = n.determinant(axis);
-        const float inverseQ = 1 / q;
-        const float inverseRootQ = std::sqrt(inverseQ);
-        const float slope = 1 + n.square(axis) * inverseQ * inverseQ; // |e|^2 / e.z^2
-        const float facing = 1 + n.form(axis) * inverseQ;             // o.e / (o.z e.z)
-        const float inverseRoot = 1 / std::sqrt(axis + nYY);
-        // Density over D, eq. (9): 1 / (4 L(wo) o.e A B), A B the product of the ellipse's half axes.
-        pdfScale_ = slope * q * inverseRootQ / (4 * wo_.z * axis * facing);
-        cone_ = pdfScale_ > 0 && pdfScale_ < kInfinity && slope < kInfinity;
-        if (!cone_) return;
-
-        // sqrt(axis) W, with W W^T = (axis + N)^-1 lower triangular, takes the unit disk to the ellipse, seen along z, eq. (7);
-        // M^-T of it the same in local space, where what cancels has cancelled on paper.
-        const float eZ = 1 / std::sqrt(slope);
-        const float root = std::sqrt(axis);
-        const float wXX = root * inverseRootQ * (axis + nYY) * inverseRoot;
-        const float wYX = -root * inverseRootQ * nXY * inverseRoot;
-        const float wYY = root * inverseRoot;
-        disk_ = Vec3(m_.inverseA * wXX, skew * axis * root * inverseRootQ * inverseRoot, m_.inverseD * wYY);
-        const Vec2 e = eZ * inverseQ * (axis * t + adjoint);
-        along_ = Vec2(wXX * e.x + wYX * e.y, wYY * e.y);
-        const float inverseFacing = 1 / (facing * eZ);
-        tilt_ = inverseFacing * Vec2(wXX * t.x + wYX * t.y, wYY * t.y) - along_;
-        inverseAxis_ = 1 / axis;
-        // M^-T e.
-        const float scale = eZ * inverseQ;
-        const float across = axis * m_.inverseA * t.x;
-        axisNormal_ = Vec3(scale * (n.det * tangent.x + across), scale * (n.det * tangent.y + axis * (skew * t.x + m_.inverseD * t.y)), eZ);
+/// Samples wi given wo; prepared once for a (M, wo). Local shading space, unit vectors, densities in solid angle.
+///
+/// Upright M and wo.z > 0: the share of samples below the horizon was under 0.2 % for every M and wo tried, about 1e-6 on average.
+/// Elsewhere (a leaning M, wo below the horizon, values outside float's range) bounded or full spherical caps, or chords
+/// (ggx::prefersChords).
+class ReflectionSampler {
+  public:
+    /// Bounded caps are prepared sooner than the cone, which pays off where they reject more than `bearableWaste` of the samples seen
+    /// from the normal (capWaste); 0: the cone wherever it can be had.
+    ReflectionSampler(const MicroTransform &m, const Vec3 &wo, float bearableWaste = 0) : m_(m), wo_(wo) {
+        if (prefersCone(m, wo, bearableWaste)) prepareCone();
+        if (!cone_.usable) prepareCap();
     }
 
-    /// A micro-normal (local space, not normalised) whose standard one, M^T wm, has the density o.m on the cone.
-    [[nodiscard]] Vec3 coneNormal(const Vec2 &u, float coin) const {
-        const Vec2 p = std::sqrt(u.y) * unitCircle(u.x);
-        // M^-T (b, 0) with b the point of the ellipse, seen along z; it lies at b - (e.b) e across the axis.
-        Vec2 b(disk_.x * p.x, disk_.y * p.x + disk_.z * p.y);
-        float along = glm::dot(along_, p); // e.b
-        // e.m = sqrt(1 - |b|^2 + (e.b)^2), eq. (10), without cancellation.
-        const float height = std::sqrt((1 - u.y) + glm::dot(b, b) * inverseAxis_ + along * along);
-        // Where o.m is less than for the mirror image, that gets the difference, eq. (11).
-        if (coin * height < -glm::dot(tilt_, p)) {
-            b = -b;
-            along = -along;
-        }
-        const float rest = height - along;
-        return {b.x + rest * axisNormal_.x, b.y + rest * axisNormal_.y, rest * axisNormal_.z};
+    /// Whether bounded caps reject more than `share` of the samples at wo = z. With a the smaller alpha or 1 they keep
+    /// (1 + a^2) / sqrt((1 + alphaX^2) (1 + alphaY^2)) of them, eq. (8) over what the bound leaves; at other wo about as much.
+    static bool capsWaste(const MicroTransform &m, float share) {
+        const SlopeTensor<float> sigma = slopeTensor(m);
+        const float all = sqr(1 - share) * (1 + sigma.xx + sigma.yy + sigma.determinant);
+        return (all > 1) & (all > sqr(1 + std::min(sigma.smaller(), 1.0F)));
     }
+    /// Whether a sampler made with this `bearableWaste` will try the cone.
+    static bool prefersCone(const MicroTransform &m, const Vec3 &wo, float bearableWaste) {
+        return canSampleCone(m, wo) & ((bearableWaste <= 0) | capsWaste(m, bearableWaste));
+    }
+
+    /// wi with density pdf(wi), or nothing where the sampled normal reflects below the horizon. u and coin are uniform in [0, 1).
+    [[nodiscard]] std::optional<Vec3> sample(const Vec2 &u, float coin) const {
+        const Vec3 wm = cone_.usable ? cone_.normal(u, coin) : ggx::spreadVisibleNormal(m_, wo_, u, capBound_);
+        const Vec3 wi = (2 * glm::dot(wo_, wm) / glm::dot(wm, wm)) * wm - wo_;
+        if (!(wi.z > 0)) return std::nullopt;
+        return wi;
+    }
+    /// sample() for callers with two numbers: the coin is hashed from the bits of u.
+    [[nodiscard]] std::optional<Vec3> sample(const Vec2 &u) const { return sample(u, coinFrom(u)); }
+
+    /// Density of sample(): D(wm) times a constant; 0 for wi below the horizon.
+    [[nodiscard]] float pdf(const Vec3 &wi) const { return wi.z > 0 ? ggx::distribution(m_, wo_, wi) * pdfScale() : 0.0F; }
+
+    /// pdf(wi) / D(wm), the same for every wi: an evaluation that has D at hand needs no more.
+    [[nodiscard]] float pdfScale() const { return cone_.usable ? cone_.pdfScale : capScale_; }
+    /// Whether the cone is sampled; false where caps stand in for it.
+    [[nodiscard]] bool samplesCone() const { return cone_.usable; }
+    /// The share of all visible normals that reflect above the horizon, eq. (8), from above and within 0.2 % of itself: what the
+    /// full cap keeps. Only where samplesCone().
+    [[nodiscard]] float reflectedShare() const { return 1 / (2 * (wo_.z + ggx::stretchedLength(m_, wo_)) * cone_.pdfScale); }
+
+  private:
+    static bool canSampleCone(const MicroTransform &m, const Vec3 &wo) { return m.upright() & (wo.z > kLeastCosine); }
+
+    /// Below this wo.z nothing is lost to the horizon that a float could tell.
+    static constexpr float kLeastCosine = 1e-6F;
+
+    [[gnu::noinline]] void prepareCone() { cone_ = ReflectionCone::of(m_, wo_); }
 
     void prepareCap() {
         capBound_ = ggx::reflectionBound(m_, wo_);
         const float length = ggx::stretchedLength(m_, wo_);
-        pdfScale_ = 0.5F / ggx::capArea(capBound_, wo_.z, length, ggx::visibleArea(m_, wo_, length));
+        capScale_ = 0.5F / ggx::capArea(capBound_, wo_.z, length, ggx::visibleArea(m_, wo_, length));
     }
 
     /// Uniform in [0, 1), unrelated to where u lies: a finaliser of 32 bits (MurmurHash3) over both numbers' bits.
@@ -178,14 +193,9 @@ class ReflectionSampler {
 
     MicroTransform m_;
     Vec3 wo_;
-    bool cone_ = false;
+    ReflectionCone cone_;
     float capBound_ = 1;
-    float pdfScale_ = 0;
-    Vec3 axisNormal_{0, 0, 1}; ///< M^-T e, the cone's axis in local space
-    Vec3 disk_{1, 0, 1};       ///< [x 0; y z]: unit disk to M^-T (b, 0)
-    Vec2 along_{0, 0};         ///< e.b as a linear form of the disk
-    Vec2 tilt_{0, 0};          ///< o.(b - (e.b) e) / o.e as a linear form of the disk
-    float inverseAxis_ = 1;
+    float capScale_ = 0;
 };
 
 } // namespace taut

@@ -37,7 +37,7 @@ float lightCoverage(const SceneLights &lights, const Bounds &box, float blur);
 
 /// Share of the samples of reflections that may be lost to the horizon (ReflectionSampler). Losing a share w of them makes of a relative
 /// variance V, of the light that they meet, (V + w) / (1 - w); not losing them takes r times as long. So it pays off from
-/// w = (r - 1) V / (1 + V) on, where V / (1 + V) = 1 - coverage: under an even sky nearly always, under a lamp as from kBearableWaste on.
+/// w = (r - 1) V / (1 + V) on, where V / (1 + V) = 1 - coverage: under an even sky nearly always, under a lamp from kBearableWaste on.
 /// Asked under a sky alone.
 float bearableWasteUnder(const Scene &scene);
 

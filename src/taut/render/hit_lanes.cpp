@@ -87,6 +87,26 @@ template <bool kLean> TAUT_INLINE void viewLoop(HitLanes &l, float bearableWaste
     }
 }
 
+/// M is upright where there is a cone.
+TAUT_INLINE void conesLoop(HitLanes &l) {
+    const int count = l.padded();
+    HitLanes::Cones &to = l.cones;
+#pragma GCC ivdep
+    for (int i = 0; i < count; ++i) {
+        const ReflectionCone cone = ReflectionCone::of(microOf<false>(l, i), l.woLocal.at(i));
+        const bool taken = (l.cone[i] != 0) & cone.usable;
+        l.cone[i] = taken ? 1 : 0;
+        l.pdfScale[i] = taken ? cone.pdfScale : l.pdfScale[i];
+        to.axisNormal.set(i, cone.axisNormal);
+        to.disk.set(i, cone.disk);
+        to.alongX[i] = cone.along.x;
+        to.alongY[i] = cone.along.y;
+        to.tiltX[i] = cone.tilt.x;
+        to.tiltY[i] = cone.tilt.y;
+        to.inverseAxis[i] = cone.inverseAxis;
+    }
+}
+
 TAUT_INLINE void lightNumbersLoop(HitLanes &l, const EventNumbers &numbers) {
     const int count = l.padded();
 #pragma GCC ivdep
@@ -121,6 +141,7 @@ TAUT_INLINE void numbersLoop(HitLanes &l, const EventNumbers &numbers) {
         template <bool kLean>[[gnu::flatten __VA_ARGS__]] static void view(HitLanes &l, float waste, bool r) {                             \
             viewLoop<kLean>(l, waste, r);                                                                                                  \
         }                                                                                                                                  \
+        [[gnu::flatten __VA_ARGS__]] static void cones(HitLanes &l) { conesLoop(l); }                                                      \
         [[gnu::flatten __VA_ARGS__]] static void numbers(HitLanes &l, const EventNumbers &e) { numbersLoop(l, e); }                        \
         [[gnu::flatten __VA_ARGS__]] static void lightNumbers(HitLanes &l, const EventNumbers &e) { lightNumbersLoop(l, e); }              \
         [[gnu::flatten __VA_ARGS__]] static void choiceNumbers(HitLanes &l, const EventNumbers &e) { choiceNumbersLoop(l, e); }            \
@@ -254,14 +275,8 @@ void setView(HitLanes &lanes, float bearableWaste, bool refracts, Instructions i
         lanes.leans ? Loops::template view<true>(lanes, bearableWaste, refracts)
                     : Loops::template view<false>(lanes, bearableWaste, refracts);
     });
-    lanes.cones.clear();
-    for (int i = 0; i < lanes.count; ++i) {
-        if (lanes.cone[i] == 0) continue;
-        const auto at = static_cast<std::size_t>(i);
-        lanes.cones.emplace_back(lanes.micro(at), lanes.woLocal.at(at), bearableWaste);
-        lanes.cone[i] = static_cast<int>(lanes.cones.size());
-        lanes.pdfScale[i] = lanes.cones.back().pdfScale();
-    }
+    if (std::any_of(lanes.cone, lanes.cone + lanes.count, [](int cone) { return cone != 0; }))
+        onInstructions(instructions, [&](auto loops) { decltype(loops)::cones(lanes); });
 }
 
 void view(HitLanes &lanes, const LaneMaterial &material, const EventNumbers &numbers, Instructions instructions) {

@@ -82,8 +82,11 @@ struct alignas(64) HitLanes {
     Vectors severalColor;
     float compensation[kSize]; ///< multiple::compensation of a direction
     float viewLoss[kSize];     ///< 1 - E of the view, where the diffuse part has to know
-    int cone[kSize];           ///< where caps would waste too much: 1 + the lane's entry in `cones`; else 0
-    std::vector<ReflectionSampler> cones;
+    int cone[kSize];           ///< 1: caps would waste too much, ReflectionCone is sampled; else 0
+    struct Cones {
+        Vectors axisNormal, disk;
+        float alongX[kSize], alongY[kSize], tiltX[kSize], tiltY[kSize], inverseAxis[kSize];
+    } cones; ///< of those lanes
     float lightChoice[kSize], lightU[kSize], lightV[kSize], scatterU[kSize], scatterV[kSize], coin[kSize], roulette[kSize];
 
     // aim(): light samples, render space; pdf 0: none. `weighted` is 0 for lights that no scattered ray can meet.

@@ -211,6 +211,39 @@ template <class Kind, bool kCorrelated, bool kSeveral> TAUT_INLINE void scatterL
     }
 }
 
+/// A direction from a lane's cone; pointing down where it leads below the horizon.
+TAUT_INLINE Vec3 coneDirection(const HitLanes &l, std::size_t i, const Vec2 &u, float coin) {
+    const HitLanes::Cones &from = l.cones;
+    ReflectionCone cone;
+    cone.axisNormal = from.axisNormal.at(i);
+    cone.disk = from.disk.at(i);
+    cone.along = Vec2(from.alongX[i], from.alongY[i]);
+    cone.tilt = Vec2(from.tiltX[i], from.tiltY[i]);
+    cone.inverseAxis = from.inverseAxis[i];
+    const Vec3 wo = l.woLocal.at(i);
+    const Vec3 wm = cone.normal(u, coin);
+    const Vec3 wi = (2 * glm::dot(wo, wm) / glm::dot(wm, wm)) * wm - wo;
+    return selected(wi.z > 0, wi, Vec3(0, 0, -1));
+}
+TAUT_INLINE void conesLoop(HitLanes &l) {
+    const int count = l.padded();
+#pragma GCC ivdep
+    for (int i = 0; i < count; ++i) {
+        const Vec3 wi = coneDirection(l, i, Vec2(l.scatterU[i], l.scatterV[i]), l.facetCoin[i]);
+        l.scatterLocal.set(i, selected((l.cone[i] != 0) & (l.facetCoin[i] >= 0), wi, l.scatterLocal.at(i)));
+    }
+}
+TAUT_INLINE void coatConesLoop(HitLanes &l) {
+    const HitLanes &coat = *l.coat;
+    const int count = l.padded();
+#pragma GCC ivdep
+    for (int i = 0; i < count; ++i) {
+        const Vec3 wi = coneDirection(coat, i, Vec2(l.scatterU[i], l.scatterV[i]), l.coatCoin[i]);
+        const Vec3 world = selected(wi.z > 0, fromCoat(coat, i, wi), Vec3(0, 0, -1));
+        l.scatterLocal.set(i, selected((coat.cone[i] != 0) & (l.coatCoin[i] >= 0), world, l.scatterLocal.at(i)));
+    }
+}
+
 /// Also with whether light of several facets is given back.
 template <class Loop> TAUT_INLINE void bySeveral(const HitLanes &lanes, const LaneMaterial &material, const Loop &loop) {
     byKind(lanes, material, [&](auto kind) {
@@ -234,21 +267,16 @@ template <class Loop> TAUT_INLINE void bySeveral(const HitLanes &lanes, const La
         template <class Kind, bool kSeveral>[[gnu::flatten __VA_ARGS__]] static void scatter(HitLanes &l, const LaneMaterial &m) {         \
             m.bsdf.correlated ? scatterLoop<Kind, true, kSeveral>(l, m) : scatterLoop<Kind, false, kSeveral>(l, m);                        \
         }                                                                                                                                  \
+        [[gnu::flatten __VA_ARGS__]] static void cones(HitLanes &l) { conesLoop(l); }                                                      \
+        [[gnu::flatten __VA_ARGS__]] static void coatCones(HitLanes &l) { coatConesLoop(l); }                                              \
         template <bool kLocal>[[gnu::flatten __VA_ARGS__]] static void compensation(HitLanes &l, const HitLanes::Vectors &w) {             \
             compensationLoop<kLocal>(l, w);                                                                                                \
         }                                                                                                                                  \
     };
 TAUT_FOR_INSTRUCTION_SETS(TAUT_LOOPS)
 
-/// Directions of coats that caps would waste too much of.
-void sampleCoatCones(HitLanes &l) {
-    const HitLanes &coat = *l.coat;
-    for (std::size_t i = 0; i < static_cast<std::size_t>(l.count); ++i) {
-        if (coat.cone[i] == 0 || l.coatCoin[i] < 0) continue;
-        const ReflectionSampler &sampler = coat.cones[static_cast<std::size_t>(coat.cone[i] - 1)];
-        const auto wi = sampler.sample({l.scatterU[i], l.scatterV[i]}, l.coatCoin[i]);
-        l.scatterLocal.set(i, wi ? fromCoat(coat, i, *wi) : Vec3(0, 0, -1));
-    }
+bool hasCones(const HitLanes &l) {
+    return std::any_of(l.cone, l.cone + l.count, [](int cone) { return cone != 0; });
 }
 
 } // namespace
@@ -270,14 +298,8 @@ void scatter(HitLanes &lanes, const LaneMaterial &material, Instructions instruc
     onInstructions(instructions, [&](auto loops) {
         using Loops = decltype(loops);
         bySeveral(lanes, material, [&](auto kind, auto several) { Loops::template direction<decltype(kind), several()>(lanes, material); });
-        if (bsdfInfo(material.bsdf.type).microsurface)
-            for (int i = 0; i < lanes.count; ++i) {
-                if (lanes.cone[i] == 0 || lanes.facetCoin[i] < 0) continue;
-                const ReflectionSampler &sampler = lanes.cones[static_cast<std::size_t>(lanes.cone[i] - 1)];
-                const auto wi = sampler.sample({lanes.scatterU[i], lanes.scatterV[i]}, lanes.facetCoin[i]);
-                lanes.scatterLocal.set(static_cast<std::size_t>(i), wi.value_or(Vec3(0, 0, -1)));
-            }
-        if (material.layered) sampleCoatCones(lanes);
+        if (bsdfInfo(material.bsdf.type).microsurface && hasCones(lanes)) Loops::cones(lanes);
+        if (material.layered && hasCones(*lanes.coat)) Loops::coatCones(lanes);
         if (lanes.compensates) Loops::template compensation<true>(lanes, lanes.scatterLocal);
         bySeveral(lanes, material, [&](auto kind, auto several) { Loops::template scatter<decltype(kind), several()>(lanes, material); });
     });
