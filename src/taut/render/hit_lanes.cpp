@@ -275,8 +275,7 @@ void setView(HitLanes &lanes, float bearableWaste, bool refracts, Instructions i
         lanes.leans ? Loops::template view<true>(lanes, bearableWaste, refracts)
                     : Loops::template view<false>(lanes, bearableWaste, refracts);
     });
-    if (std::any_of(lanes.cone, lanes.cone + lanes.count, [](int cone) { return cone != 0; }))
-        onInstructions(instructions, [&](auto loops) { decltype(loops)::cones(lanes); });
+    if (hasCones(lanes)) onInstructions(instructions, [&](auto loops) { decltype(loops)::cones(lanes); });
 }
 
 void view(HitLanes &lanes, const LaneMaterial &material, const EventNumbers &numbers, Instructions instructions) {

@@ -23,6 +23,11 @@ template <bool kLean> TAUT_INLINE MicroTransform microOf(const HitLanes &l, std:
     return {l.a[i], l.b[i], l.d[i], kLean ? l.p[i] : 0.0F, kLean ? l.q[i] : 0.0F, l.inverseA[i], l.inverseD[i], l.det[i]};
 }
 
+/// Whether any lane samples its cone of reflections.
+inline bool hasCones(const HitLanes &l) {
+    return std::any_of(l.cone, l.cone + l.count, [](int cone) { return cone != 0; });
+}
+
 /// Whether lanes of a kind send light to the other side.
 template <class Kind> constexpr bool kPasses = requires {
     &Kind::Class::below;

@@ -275,10 +275,6 @@ template <class Loop> TAUT_INLINE void bySeveral(const HitLanes &lanes, const La
     };
 TAUT_FOR_INSTRUCTION_SETS(TAUT_LOOPS)
 
-bool hasCones(const HitLanes &l) {
-    return std::any_of(l.cone, l.cone + l.count, [](int cone) { return cone != 0; });
-}
-
 } // namespace
 
 namespace lanes {
