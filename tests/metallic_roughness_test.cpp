@@ -8,6 +8,7 @@
 #include "taut/base/sobol.h"
 #include "taut/scene/load_scene.h"
 
+#include <deque>
 #include <numeric>
 
 using namespace taut;
@@ -71,9 +72,9 @@ double appendixB3(double c, double metallic, double alpha, double f0, double f90
 const MicroTransform kSurfaces[] = {microTransformFromAlpha(0.04F, 0.04F), microTransformFromAlpha(0.3F, 0.3F),
                                     microTransformFromAlpha(1, 1), microTransform(2, 1, 0, 3)};
 
-/// One of every kind of layer.
-std::vector<std::pair<const char *, MaterialValues>> layered(float base) {
-    std::vector<std::pair<const char *, MaterialValues>> all;
+/// One of every kind of layer. No vector: GCC 14 takes its growth, written in line, for an overflow.
+std::deque<std::pair<const char *, MaterialValues>> layered(float base) {
+    std::deque<std::pair<const char *, MaterialValues>> all;
     const auto add = [&](const char *name, auto change) {
         MaterialValues values = paint(base, 0);
         change(values);
