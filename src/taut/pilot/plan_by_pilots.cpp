@@ -39,8 +39,6 @@ constexpr double kGreatestBias = 0.75;
 constexpr float kCoarse = 0.05F;
 /// Share of an error that models may have where nothing is measured.
 constexpr float kShareByBounds = 0.3F;
-/// Share of the asked error that is aimed at; the rest is for what is not known of the noise before the end.
-constexpr double kAim = 0.96;
 constexpr std::array<int, 2> kEventLimits{2, 4};
 constexpr std::array<int, 2> kMotionSteps{2, 3};
 /// Share of the rays that a limit of events must save: where pilots see hardly any path that is longer, they don't see its light either,
@@ -245,6 +243,8 @@ class PilotedPlan {
             errors.push_back(note(SubdivisionLevel{level}, picture(ready)));
         }
         float ratio = std::sqrt(kLeastRatio * kGreatestRatio);
+        // What seems to fall faster was missed: a highlight may lie between the windows.
+        if (errors.size() > 1) errors[1] = std::max(errors[1], errors[0] / (1 + static_cast<double>(kGreatestRatio)));
         if (errors.size() > 1 && errors[1] > 0)
             ratio = std::clamp(static_cast<float>(errors[0] / errors[1]) - 1, kLeastRatio, kGreatestRatio);
         const double beyond = 1 / (1 - std::pow(static_cast<double>(ratio), static_cast<double>(errors.size()) - base));
@@ -304,7 +304,7 @@ class PilotedPlan {
     }
 
     [[nodiscard]] double secondsOf(const ScenePlan &plan, double error) const {
-        const double noise = std::sqrt(std::max(sqr(kAim * error) - sqr(static_cast<double>(plan.predictedError)), sqr(0.1 * error)));
+        const double noise = std::sqrt(std::max(sqr(error) - sqr(static_cast<double>(plan.predictedError)), sqr(0.1 * error)));
         const Sampling sampling = samplingOf(plan);
         std::vector<int> chosen;
         for (const MeshPlan &mesh : plan.meshes) chosen.push_back(mesh.subdivisionLevel);
@@ -366,8 +366,7 @@ class PilotedPlan {
         budget.error = *options_.error;
         budget.bias = options_.full ? 0 : plan.predictedError;
         const double error = static_cast<double>(budget.error);
-        budget.noise =
-            static_cast<float>(std::sqrt(std::max(sqr(kAim * error) - sqr(static_cast<double>(budget.bias)), sqr(0.25 * error))));
+        budget.noise = static_cast<float>(std::sqrt(std::max(sqr(error) - sqr(static_cast<double>(budget.bias)), sqr(0.25 * error))));
         if (budget.error >= kCoarse) budget.firstSamples = 2; // it may be all that is needed
         if (!findings_.empty()) {
             budget.samples = static_cast<float>(samplesFor(samplingOf(plan), static_cast<double>(budget.noise)));

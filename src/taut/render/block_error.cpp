@@ -38,13 +38,30 @@ double ofShares(const double *first, double s1, const double *second, double s2)
     return sumOf(squares.data()) / 3;
 }
 
+struct Mean {
+    double value = 0;
+    double spread = 0; ///< variance of that, by what pixels differ
+};
+
 /// Mean over a part's pixels of what `value` makes of their place in the window's sums.
-template <class Value> double meanOver(const Window &part, const Window &window, std::size_t perPixel, const Value &value) {
+template <class Value> Mean meanOver(const Window &part, const Window &window, std::size_t perPixel, const Value &value) {
     double sum = 0;
+    double squares = 0;
     for (int y = part.y0; y < part.y1; ++y)
-        for (int x = part.x0; x < part.x1; ++x)
-            sum += value(static_cast<std::size_t>((y - window.y0) * window.width() + x - window.x0) * perPixel);
-    return sum / (static_cast<double>(part.width()) * part.height());
+        for (int x = part.x0; x < part.x1; ++x) {
+            const double v = value(static_cast<std::size_t>((y - window.y0) * window.width() + x - window.x0) * perPixel);
+            sum += v;
+            squares += v * v;
+        }
+    const double pixels = static_cast<double>(part.width()) * part.height();
+    return {sum / pixels, pixels > 1 ? std::max(0.0, squares - sum * sum / pixels) / ((pixels - 1) * pixels) : 0};
+}
+
+/// squaredDifference() with its spread.
+Mean differenceOver(const Window &part, const Window &window, std::span<const double> first, double s1, std::span<const double> second,
+                    double s2, std::size_t perPixel) {
+    const auto of = perPixel == kShared ? ofShares : ofColours;
+    return meanOver(part, window, perPixel, [&](std::size_t at) { return of(&first[at], s1, &second[at], s2); });
 }
 
 std::size_t valuesAPixel(const Window &window, std::span<const double> sums) {
@@ -73,23 +90,22 @@ void ColourSums::fill(const Film &film, const Window &window, std::vector<double
 
 double squaredDifference(const Window &part, const Window &window, std::span<const double> first, double s1, std::span<const double> second,
                          double s2) {
-    const std::size_t perPixel = valuesAPixel(window, first);
-    const auto of = perPixel == kShared ? ofShares : ofColours;
-    return meanOver(part, window, perPixel, [&](std::size_t at) { return of(&first[at], s1, &second[at], s2); });
+    return differenceOver(part, window, first, s1, second, s2, valuesAPixel(window, first)).value;
 }
 
 BlockError blockErrorOf(const Window &block, const Window &window, const ColourSums &sums, int middle, int last) {
     const double before = middle;
     const double added = last - middle;
     const double n = last;
-    // half / before - (all - half) / added
-    const double difference = squaredDifference(block, window, sums.half, 1 / before + 1 / added, sums.all, 1 / added);
     const std::size_t perPixel = valuesAPixel(window, sums.all);
+    // half / before - (all - half) / added
+    const Mean difference = differenceOver(block, window, sums.half, 1 / before + 1 / added, sums.all, 1 / added, perPixel);
+    const double scale = before * added / (n * n);
     // Where pixels share, what the picture is depends on others (PictureNoise::noteSquares).
     const double square = perPixel == kShared ? 0 : meanOver(block, window, perPixel, [&](std::size_t at) {
-        return ofColours(&sums.all[at], 1 / n, &sums.all[at], 0);
-    });
-    return {last, difference * before * added / (n * n), square, 0};
+                                                        return ofColours(&sums.all[at], 1 / n, &sums.all[at], 0);
+                                                    }).value;
+    return {last, scale * difference.value, sqr(scale) * difference.spread, square, 0};
 }
 
 } // namespace taut

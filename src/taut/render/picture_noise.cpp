@@ -31,19 +31,19 @@ constexpr double kPixelsAControl = 128;
 constexpr double kNear = 2.5;
 /// A block's chance to hold a control grows with this power of its variance: once samples are where they are needed, noise and time of all
 /// blocks are more alike than they were.
-constexpr double kChancePower = 0.5;
+constexpr double kChancePower = 0.75;
 /// Variance that every block is taken to have beside its own, over the mean, when controls are drawn.
 constexpr double kLeastChance = 0.1;
-/// What is known of the factor beforehand: points that stratify each other have p from 1 to 2, so it lies between 1/3 and 1; these are its
-/// mean and standard deviation over the scenes of `taut chart plan`, at 2 to 128 samples. One control with rare light cannot make it ten.
-constexpr double kUsualFactor = 0.7;
-constexpr double kUsualSpread = 0.18;
-constexpr double kGreatestFactor = 1.5;
-/// Variance of what a block's halves tell, over its square: pixels and colours of a block tell of each other.
-constexpr double kHalvesSpread = 0.2;
+/// Of 2, 4, 8, ... and of 3, 6, 12, ... samples; of more than those the last (usualFactor).
+constexpr std::array kUsualOfPowers{0.70, 0.66, 0.72, 0.60, 0.63, 0.80, 0.76, 0.82, 0.90};
+constexpr std::array kUsualOfThirds{0.68, 0.63, 0.60, 0.61, 0.63, 0.68, 0.77, 0.80};
+/// Standard deviation of the scene's factor, beforehand 1, over the scenes of `taut chart plan` at 2 to 512 samples. One control with rare
+/// light cannot make it ten.
+constexpr double kUsualSpread = 0.25;
+constexpr double kGreatestFactor = 2;
 /// Standard errors of the noise that are kept in reserve, and the most that is, of the noise.
-constexpr double kMargin = 1.2;
-constexpr double kMostReserve = 0.12;
+constexpr double kMargin = 2;
+constexpr double kMostReserve = 0.25;
 
 /// A number of samples n, and n^-p.
 struct Step {
@@ -57,6 +57,13 @@ int nextSampleCount(int samples) {
     int power = 1;
     while (2 * power <= samples) power *= 2;
     return samples < power + power / 2 ? power + power / 2 : 2 * power;
+}
+
+double usualFactor(int samples) {
+    std::size_t power = 0; // of two, the greatest that is no more, above the first
+    while (power + 1 < kUsualOfPowers.size() && samples >> (power + 2) != 0) ++power;
+    const bool isPower = samples < (3 << power);
+    return isPower || power >= kUsualOfThirds.size() ? kUsualOfPowers[power] : kUsualOfThirds[power];
 }
 
 double exponentOf(double factor) {
@@ -75,17 +82,17 @@ double PictureNoise::weightOf(Index block) const {
 }
 
 std::vector<double> PictureNoise::variancesOfOne() const {
-    const double p = exponentOf(factor_);
+    const double p = exponent();
     int samples = 0;
     double power = 0; // of them; many blocks have as many
     std::vector<double> variances;
     variances.reserve(errors_.size());
-    for (const BlockError &error : errors_) {
-        if (error.samples != samples) {
-            samples = error.samples;
+    for (Index i = 0; i < errors_.size(); ++i) {
+        if (errors_[i].samples != samples) {
+            samples = errors_[i].samples;
             power = std::pow(samples, p);
         }
-        variances.push_back(factor_ * error.variance * power);
+        variances.push_back(factor_ * usualOf(i) * power);
     }
     return variances;
 }
@@ -109,14 +116,20 @@ void PictureNoise::noteSquares(const Film &film) {
 /// Sum over pixels of the square of what the picture is without noise.
 double PictureNoise::squares() const {
     double sum = 0;
-    for (Index i = 0; i < errors_.size(); ++i) sum += weightOf(i) * std::max(0.0, errors_[i].square - factor_ * errors_[i].variance);
+    for (Index i = 0; i < errors_.size(); ++i) sum += weightOf(i) * std::max(0.0, errors_[i].square - factor_ * usualOf(i));
     return sum;
 }
 
 double PictureNoise::told() const {
     double sum = 0;
-    for (Index i = 0; i < errors_.size(); ++i) sum += weightOf(i) * errors_[i].variance;
+    for (Index i = 0; i < errors_.size(); ++i) sum += weightOf(i) * usualOf(i);
     return sum;
+}
+
+double PictureNoise::exponent() const {
+    double asIndependent = 0;
+    for (Index i = 0; i < errors_.size(); ++i) asIndependent += weightOf(i) * errors_[i].variance;
+    return exponentOf(asIndependent > 0 ? factor_ * told() / asIndependent : kUsualOfPowers.front());
 }
 
 std::vector<double> PictureNoise::toldAround() const {
@@ -126,7 +139,7 @@ std::vector<double> PictureNoise::toldAround() const {
         for (int dy = -1; dy <= 1; ++dy)
             for (int dx = -1; dx <= 1; ++dx)
                 if (const std::optional<Index> other = grid_.beside(i, dx, dy)) {
-                    around[i] += errors_[*other].variance;
+                    around[i] += usualOf(*other);
                     ++count;
                 }
         around[i] /= count;
@@ -146,7 +159,7 @@ Window PictureNoise::partOf(Index block, std::uint32_t random) const {
 
 const std::vector<Control> &PictureNoise::drawControls() {
     const double told = this->told();
-    if (!controls_.empty() || !(told > 0) || std::sqrt(kUsualFactor * told / squares()) > kNear * level_) return controls_;
+    if (!controls_.empty() || !(told > 0) || std::sqrt(told / squares()) > kNear * level_) return controls_;
     double pixels = 0;
     for (Index i = 0; i < errors_.size(); ++i) pixels += weightOf(i);
     const std::vector<double> around = toldAround();
@@ -177,27 +190,27 @@ void PictureNoise::measure(const std::vector<double> &variances) {
         found += variances[k] / controls_[k].chance;
         halves += around[controls_[k].block] / controls_[k].chance;
     }
+    double ofPixels = 0;
+    for (Index i = 0; i < errors_.size(); ++i) ofPixels += sqr(weightOf(i) * usualFactor(errors_[i].samples)) * errors_[i].spread;
+    const double ofHalves = told > 0 ? ofPixels / sqr(told) : 0; // relative variance of their sum: few pixels may have it all
     // Of the factor: what was measured (Cochran 1977, ratio estimator) and what is usual, each by how well it is known.
     double spread = kUsualSpread;
-    factor_ = kUsualFactor;
+    factor_ = 1;
     const auto count = static_cast<double>(variances.size());
     if (count > 1 && halves > 0) {
         const double ratio = found / halves;
         double residuals = 0;
         for (std::size_t k = 0; k < variances.size(); ++k)
             residuals += sqr((variances[k] - ratio * around[controls_[k].block]) / controls_[k].chance);
-        const double measured = std::max(sqr(1e-3 * ratio), residuals * count / (count - 1) / sqr(halves)); // its variance
+        // Its variance. Pixels that have much of the noise are hardly among the controls, and may have another factor.
+        const double measured = std::max(sqr(1e-3 * ratio), residuals * count / (count - 1) / sqr(halves)) + ofHalves * sqr(ratio);
         const double weight = sqr(kUsualSpread) / (sqr(kUsualSpread) + measured);
-        factor_ = std::clamp(weight * ratio + (1 - weight) * kUsualFactor, kLeastFactor, kGreatestFactor);
+        factor_ = std::clamp(weight * ratio + 1 - weight, kLeastFactor, kGreatestFactor);
         spread = std::sqrt(weight * measured);
     }
-    double squared = 0;
-    for (Index i = 0; i < errors_.size(); ++i) squared += sqr(weightOf(i) * errors_[i].variance);
-    const double ofHalves =
-        told > 0 ? kHalvesSpread * squared / sqr(told) : 0; // relative variance of their sum: few blocks may have it all
     const double all = squares();
     const double error = all > 0 ? std::sqrt(factor_ * told / all) : 0;
-    reached_ = {error, 0.5 * error * std::sqrt(sqr(spread / factor_) + ofHalves), static_cast<int>(count), exponentOf(factor_)};
+    reached_ = {error, 0.5 * error * std::sqrt(sqr(spread / factor_) + ofHalves), static_cast<int>(count), exponent()};
 }
 
 /// The level, less what is not known of the noise: whoever stops when an estimate is low enough stops at one that is too low.
@@ -241,7 +254,7 @@ std::vector<PictureNoise::Guide> PictureNoise::guidesOf(int reach) const {
 /// The cheapest numbers of samples with which the picture has so much noise, none below those that there are. Blocks choose by
 /// `choosing`, one for all or one for each.
 PictureNoise::Allocation PictureNoise::cheapest(const std::vector<Guide> &choosing, double noiseWanted) const {
-    const double p = exponentOf(factor_);
+    const double p = exponent();
     std::vector<Step> steps; // of good numbers of samples
     for (int n = 1; n <= most_; n = nextSampleCount(n)) steps.push_back({n, std::pow(n, -p)});
     struct Start {

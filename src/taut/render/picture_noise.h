@@ -6,10 +6,10 @@
 /// v n^-p + lambda c n least: Neyman's allocation (1934), for p = 1. Points that stratify each other have p above 1, and do so at powers of
 /// two and, less, at three times those (Sobol 1967); so n is one of these.
 ///
-/// The halves of a block's samples tell v only up to a factor, since they stratify each other. The factor is measured: parts of some
-/// blocks are rendered a second time with other random numbers (controls), and go on as their blocks do. Half the squared difference from
-/// the picture estimates its variance, without bias where pixels do not share; the ratio to what halves tell there, each over its chance to
-/// be drawn (Hansen & Hurwitz 1943), is the factor.
+/// The halves of a block's samples tell v only up to a factor, since they stratify each other: a usual one of the number of samples, times
+/// one of the scene. That is measured: parts of some blocks are rendered a second time with other random numbers (controls), and go on as
+/// their blocks do. Half the squared difference from the picture estimates its variance, without bias where pixels do not share; the ratio
+/// to what halves tell there, each over its chance to be drawn (Hansen & Hurwitz 1943), is the scene's.
 ///
 /// As in adaptive.h no block has a say in its own number of samples. After a pass a block looks at those around it of the colours that
 /// follow its own, `kReach` of them; what those have is the doing of their followers. The steps together stay below the nine colours
@@ -36,6 +36,10 @@ int nextSampleCount(int samples);
 /// left to come is factor = 1 / (2^p - 1). In [1, 2].
 double exponentOf(double factor);
 
+/// Variance of so many samples over what their halves tell as if they were independent, usually: the mean over the scenes of `taut chart
+/// plan`, whose pixels share.
+double usualFactor(int samples);
+
 /// What samples cost, by their rays: in units of a camera ray that meets nothing. A scattered or a shadow ray takes six times as long, with
 /// the shading that it comes from.
 inline double costOf(std::uint64_t camera, std::uint64_t others) {
@@ -46,6 +50,7 @@ inline double costOf(std::uint64_t camera, std::uint64_t others) {
 struct BlockError {
     int samples = 0;     ///< a pixel
     double variance = 0; ///< that so many samples bring to the picture, over pixels and R, G, B, as if the halves were independent
+    double spread = 0;   ///< variance of that number, by what the block's pixels differ in it
     double square = 0;   ///< of the mean, over pixels and R, G, B
     double cost = 0;     ///< of a sample (costOf)
 };
@@ -70,8 +75,8 @@ class PictureNoise {
     /// Steps on the ring of each decision: the first goes part of the way to the numbers that seem right, the second to them, the others
     /// do what is missing still.
     static constexpr std::array<int, 4> kReach{2, 6, 0, 0};
-    /// The least that the variance may be of what halves tell.
-    static constexpr double kLeastFactor = 0.2;
+    /// The least that the variance may be of what halves usually tell.
+    static constexpr double kLeastFactor = 0.5;
 
     /// Samples the pixels of `window` until the noise of the picture is `level`, or `most` samples a pixel are reached. `first`: samples of
     /// the first pass, at least 2. `seed`: of the drawing of controls.
@@ -114,11 +119,15 @@ class PictureNoise {
     [[nodiscard]] std::vector<Guide> guidesOf(int reach) const;
     [[nodiscard]] Allocation cheapest(const std::vector<Guide> &choosing, double noiseWanted) const;
     [[nodiscard]] Window partOf(Index block, std::uint32_t random) const;
-    /// Sum over pixels of what halves tell.
+    /// What halves tell of a block's variance, by what is usual for as many samples.
+    [[nodiscard]] double usualOf(Index block) const { return usualFactor(errors_[block].samples) * errors_[block].variance; }
+    /// Sum of that over pixels.
     [[nodiscard]] double told() const;
-    /// What halves tell around each block: the mean over it and its neighbours.
+    /// Around each block: the mean over it and its neighbours.
     [[nodiscard]] std::vector<double> toldAround() const;
     void measure(const std::vector<double> &variances);
+    /// p, of the picture as it stands.
+    [[nodiscard]] double exponent() const;
     /// Pixels of a block: what its means weigh.
     [[nodiscard]] double weightOf(Index block) const;
     /// v of each block, by its own halves.
@@ -131,7 +140,7 @@ class PictureNoise {
     int most_;
     std::uint32_t seed_;
     std::size_t decisions_ = 0;
-    double factor_ = 1; // variance over what halves tell
+    double factor_ = 1; // variance over what halves usually tell
     PictureNoiseReached reached_;
     std::vector<Guide> guides_; // [blocks], of the last decision that reached somebody
     std::vector<Control> controls_;

@@ -17,7 +17,8 @@ void PictureNoise::save(std::ostream &out) const {
     write(std::array<double, 5>{factor_, reached_.error, reached_.spread, static_cast<double>(reached_.controls), reached_.exponent});
     for (Index i = 0; i < errors_.size(); ++i) {
         const BlockError &e = errors_[i];
-        write(std::array<double, 5>{static_cast<double>(e.samples), e.variance, e.square, e.cost, static_cast<double>(targets_[i])});
+        write(std::array<double, 6>{static_cast<double>(e.samples), e.variance, e.spread, e.square, e.cost,
+                                    static_cast<double>(targets_[i])});
     }
     for (const Guide &guide : guides_) write(std::array<double, 2>{guide.variance, guide.cost});
     for (const Control &control : controls_) {
@@ -51,12 +52,12 @@ void PictureNoise::load(std::istream &in) {
     factor_ = std::max(whole[0], kLeastFactor);
     reached_ = {whole[1], whole[2], static_cast<int>(std::min(whole[3], 1e9)), whole[4]};
     for (Index i = 0; i < errors_.size(); ++i) {
-        std::array<double, 5> values{};
+        std::array<double, 6> values{};
         readNumbers(values);
-        if (!(values[0] <= values[4] && values[4] <= most_))
+        if (!(values[0] <= values[5] && values[5] <= most_))
             throw InputError("saved frame: found a block's samples that are none, expected at most " + std::to_string(most_));
-        errors_[i] = {static_cast<int>(values[0]), values[1], values[2], values[3]};
-        targets_[i] = static_cast<int>(values[4]);
+        errors_[i] = {static_cast<int>(values[0]), values[1], values[2], values[3], values[4]};
+        targets_[i] = static_cast<int>(values[5]);
     }
     guides_.clear();
     for (std::int64_t i = 0; i < guides; ++i) {
