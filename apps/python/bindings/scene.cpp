@@ -112,7 +112,6 @@ void addScene(py::module_ &module) {
         .def("stop", &Refinement::stop)
         .def_property_readonly("done", &Refinement::done)
         .def_property_readonly("share", &Refinement::share)
-        .def_property_readonly("metadata", &Refinement::metadata)
         .def("film", &Refinement::film)
         .def("denoised", &Refinement::denoised)
         .def("save", &Refinement::save, py::arg("path"))

@@ -276,7 +276,7 @@ std::string Refinement::advance(int samples, double seconds, const py::object &p
 
 namespace {
 
-py::tuple arraysOf(const Film &film, const Image &image) {
+py::tuple pictureOf(const Film &film, const Image &image, const Metadata &metadata) {
     const Window &window = film.window();
     const auto width = static_cast<py::ssize_t>(window.width());
     const auto height = static_cast<py::ssize_t>(window.height());
@@ -286,14 +286,14 @@ py::tuple arraysOf(const Film &film, const Image &image) {
     std::uint32_t *to = samples.mutable_data();
     for (int y = window.y0; y < window.y1; ++y)
         for (int x = window.x0; x < window.x1; ++x) *to++ = film.samplesAt(x, y);
-    return py::make_tuple(pixels, image.channels, samples);
+    return py::make_tuple(pixels, image.channels, samples, metadata);
 }
 
 } // namespace
 
 py::tuple Refinement::film() const {
     const Film film = render_->film();
-    return arraysOf(film, imageOf(film, ready_->scene().render));
+    return pictureOf(film, imageOf(film, ready_->scene().render), metadataOf(film));
 }
 
 py::tuple Refinement::denoised() {
@@ -304,15 +304,16 @@ py::tuple Refinement::denoised() {
         app::addDenoised(film, denoiser_->denoiser, image);
     }
     denoiser_->before = frame_;
-    return arraysOf(film, image);
+    Metadata metadata = metadataOf(film);
+    app::markDenoised(metadata, denoiser_->denoiser.overFrames());
+    return pictureOf(film, image, metadata);
 }
 
-Metadata Refinement::metadata() const {
-    const Film film = render_->film();
+/// What a file says of the picture.
+Metadata Refinement::metadataOf(const Film &film) const {
     Metadata all = app::frameMetadata(ready_->scene(), frame_, film.layers());
     const Metadata ofSamples = app::sampleMetadata(film);
     all.insert(all.end(), ofSamples.begin(), ofSamples.end());
-    if (denoiser_) app::markDenoised(all, denoiser_->denoiser.overFrames());
     return all;
 }
 

@@ -93,17 +93,17 @@ class Refinement {
     void stop() { render_->stop(); }
     [[nodiscard]] bool done() const { return render_->done(); }
     [[nodiscard]] double share() const { return render_->share(); }
-    /// Means [height, width, channels], the names of these, and the samples of each pixel [height, width].
+    /// Means [height, width, channels], the names of these, the samples of each pixel [height, width], and what a file says of the
+    /// picture.
     [[nodiscard]] py::tuple film() const;
     /// Likewise, denoised: once, when the picture is there.
     [[nodiscard]] py::tuple denoised();
-    /// What a file says of the picture as it stands.
-    [[nodiscard]] Metadata metadata() const;
     void save(const std::string &path) const;
     void restore(const std::string &path);
 
   private:
     void checkCurrent() const;
+    [[nodiscard]] Metadata metadataOf(const Film &film) const;
 
     std::shared_ptr<PythonScene> scene_;
     std::shared_ptr<const RenderScene> ready_;

@@ -35,10 +35,9 @@ class Refinement:
         return self._picture(False)
 
     def _picture(self, denoise: bool) -> Picture:
-        picture = Picture(*(self._core.denoised() if denoise else self._core.film()))
-        picture.metadata = dict(self._core.metadata)
-        if not denoise:
-            picture.metadata.pop("taut:denoised", None)
+        pixels, channels, samples, metadata = self._core.denoised() if denoise else self._core.film()
+        picture = Picture(pixels, channels, samples)
+        picture.metadata = dict(metadata)
         picture.settings = self._settings
         return picture
 

@@ -27,12 +27,6 @@ using Json = nlohmann::json;
 constexpr auto kPatience = std::chrono::seconds(20);
 constexpr std::size_t kMostWaiters = 32;
 
-/// The scene's exposure and view, and whether the page has that by itself.
-Json imageJson(const ViewSettings &view) {
-    const ViewTransform transform(view);
-    return {{"exposure", view.exposure}, {"view", transform.view()}, {"own", transform.isOwnFormula()}};
-}
-
 } // namespace
 
 ViewSession::ViewSession(const SceneArguments &scene, const ModelArguments &model, Warnings &warnings)
@@ -118,6 +112,16 @@ Json ViewSession::change(const Json &request) {
     return out;
 }
 
+/// The scene's exposure and view, and whether the page has that by itself: which may take reading a configuration.
+const Json &ViewSession::imageJson() {
+    const ViewSettings &view = changes_.scene().image.view;
+    if (!image_ || !(image_->first == view)) {
+        const ViewTransform transform(view);
+        image_ = {view, {{"exposure", view.exposure}, {"view", transform.view()}, {"own", transform.isOwnFormula()}}};
+    }
+    return image_->second;
+}
+
 Json ViewSession::state() {
     const Scene &scene = changes_.scene();
     Json overrides = Json::array();
@@ -134,7 +138,7 @@ Json ViewSession::state() {
              {"channel", channel_},
              {"denoise", denoise_},
              {"lights", lightGroupNames(scene)},
-             {"image", imageJson(scene.image.view)},
+             {"image", imageJson()},
              {"camera", cameraOf(scene, frame_)},
              {"panel", panelOf(changes_, frame_)},
              {"changes", overrides}};

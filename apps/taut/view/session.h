@@ -6,13 +6,16 @@
 #include "picture.h"
 #include "scene_changes.h"
 
+#include "taut/images/image_settings.h"
 #include "taut/render/frame_render.h"
 
 #include <chrono>
 #include <condition_variable>
 #include <deque>
 #include <mutex>
+#include <optional>
 #include <thread>
+#include <utility>
 
 namespace taut::app {
 
@@ -94,6 +97,7 @@ class ViewSession {
     [[nodiscard]] bool isOutdated();
     void interrupt();
     void post(std::function<nlohmann::json()> task, HttpReply reply);
+    const nlohmann::json &imageJson();
     nlohmann::json saveFile(const std::string &name, const ImageSettings &settings);
     [[nodiscard]] Image imageOfStage(Stage &stage, const Film &film, bool whole) const;
     [[nodiscard]] FrameOptions optionsOf(const RenderSettings &render) const;
@@ -106,6 +110,7 @@ class ViewSession {
     std::string channel_;
     Touched fixedTouched_; ///< since the scene held fixed was last read
     std::string id_ = randomToken();
+    std::optional<std::pair<ViewSettings, nlohmann::json>> image_; ///< what was last said of it
 
     // Between both.
     std::mutex mutex_;
