@@ -84,10 +84,12 @@ int farm(FarmArguments &arguments) {
     const bool byRows = shard->by == ShardBy::Rows;
     optionsOfPart(options, {byRows ? SplitBy::Rows : SplitBy::Samples, 1, arguments.shards}, settings); // or says why not
 
+    if ((options.seconds || options.noise) && !render.model.tolerance) render.model.tolerance = kDefaultTolerance; // as render does
     PlannedScene planned = planFor(loaded, render.model);
     if (const std::optional<ErrorBudget> &budget = planned.plan.budget) // how many samples a frame will take is foreseen at best
-        options.spp = std::min(options.spp, budget->samples > 0 ? static_cast<int>(std::ceil(kForeseenTwice * static_cast<double>(budget->samples)))
-                                                                : kSamplesOfNoForesight);
+        options.spp =
+            std::min(options.spp, budget->samples > 0 ? static_cast<int>(std::ceil(kForeseenTwice * static_cast<double>(budget->samples)))
+                                                      : kSamplesOfNoForesight);
     RenderScene ready(std::move(loaded), std::move(planned.plan), settings.frames.size() > 1, std::move(planned.surfaces));
     const Resources resources = measureResources(ready, options, began);
 

@@ -82,11 +82,9 @@ std::string pilotLines(const ScenePlan &plan) {
     if (!plan.budget) return text;
     const ErrorBudget &b = *plan.budget;
     const auto share = [&](float part) { return 100 * part * part / (b.error * b.error); };
-    return text +
-           fmt::format(
-               "budget: error {:.3g}; of its square {:.0f} % for bias ({:.2g}{}), {:.0f} % for noise ({:.3g}{}), the rest in reserve\n",
-               b.error, share(b.bias), b.bias, plan.pilots.empty() ? ", a bound" : ", by pilots", share(b.noise), b.noise,
-               b.samples > 0 ? fmt::format(", about {:.3g} samples a pixel", b.samples) : "");
+    return text + fmt::format("budget: error {:.3g}; of its square {:.0f} % for bias ({:.2g}{}), {:.0f} % for noise ({:.3g}{})\n", b.error,
+                              share(b.bias), b.bias, plan.pilots.empty() ? ", a bound" : ", by pilots", share(b.noise), b.noise,
+                              b.samples > 0 ? fmt::format(", about {:.3g} samples a pixel", b.samples) : "");
 }
 
 } // namespace taut::app

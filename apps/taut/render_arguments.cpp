@@ -106,6 +106,7 @@ FrameOptions optionsOf(const RenderArguments &arguments, const RenderSettings &r
             failInput({"--error"}, std::string(arguments.noise ? "--noise" : "--time") + " beside it", "one goal for the samples");
         options.picture = PictureGoal{static_cast<double>(*arguments.model.error), 4}; // until the plan has split it
         if (arguments.spp == 0) options.spp = 1 << 16;
+        if (options.spp < 2) failInput({"--spp"}, "1 beside --error", "at least 2 samples, or none: one tells nothing of noise");
     }
     if (!arguments.crop.empty()) options.window = parseCrop(arguments.crop, render);
     if (arguments.denoise || arguments.denoiseFrames)

@@ -155,8 +155,9 @@ class PilotedPlan {
         return std::sqrt(std::max(0.0, squaredNoise(found).value) * std::pow(kSamples, kTypicalExponent));
     }
 
+    /// Where nothing differs, the windows may miss what a choice changes.
     static float scaleOf(double measured, double predicted) {
-        return predicted > 0 ? static_cast<float>(std::clamp(measured / predicted, 1e-4, 10.0)) : 1.0F;
+        return measured > 0 && predicted > 0 ? static_cast<float>(std::clamp(measured / predicted, 1e-4, 10.0)) : 1.0F;
     }
 
     [[nodiscard]] const ScenePlan &fullModel() const {

@@ -45,6 +45,8 @@ void checkOptions(const FrameOptions &options, const RenderSettings &render) {
     if (options.spp < 1) throw InputError("frame: found " + std::to_string(options.spp) + " samples a pixel, expected at least 1");
     if (options.firstSample < 0 || options.firstSample > (1 << 30))
         throw InputError("frame: found first sample " + std::to_string(options.firstSample) + ", expected 0 to 2^30");
+    if (options.picture && options.spp < 2)
+        throw InputError("frame: found 1 sample a pixel beside an error of the picture, expected at least 2: one tells nothing of noise");
     if (options.noise && options.picture) throw InputError("frame: found two goals of adaptive sampling, expected one");
     if ((options.noise || options.picture) && options.firstSample > 0)
         throw InputError("frame: found a first sample of an adaptive frame, expected all of its samples together");
