@@ -7,7 +7,6 @@
 #include <random>
 
 using namespace taut;
-using namespace taut::test;
 
 TEST_CASE("picture noise: what is usual has its number of samples, and steps between", "[picture-noise]") {
     const std::pair<int, double> usual[] = {{1, 0.70},  {2, 0.70},  {3, 0.68},  {4, 0.66},   {5, 0.66},   {6, 0.63},   {16, 0.60},
