@@ -114,8 +114,7 @@ void LiveScene::take(Scene next, const Touched &touched) {
         if (ready_ && !touched.everything && !touched.environment && !touched.lights) next.environment = ready_->scene().environment;
         return build(std::move(next));
     }
-    // The camera too: levels and maps are planned for the pixels that see them.
-    settled_ = settled_ && touched.materials.empty() && !touched.motion && !touched.lights && !touched.environment && !touched.camera;
+    settled_ = settled_ && touched.materials.empty() && !touched.motion && !touched.lights && !touched.environment;
     if (touched.environment || touched.lights) ready_->setEnvironment(std::move(next.environment));
     if (touched.lights)
         for (Index i = 0; i < next.lights.size(); ++i) ready_->setLight(i, std::move(next.lights[i]));
