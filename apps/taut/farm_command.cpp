@@ -84,7 +84,7 @@ int farm(FarmArguments &arguments) {
     const bool byRows = shard->by == ShardBy::Rows;
     optionsOfPart(options, {byRows ? SplitBy::Rows : SplitBy::Samples, 1, arguments.shards}, settings); // or says why not
 
-    if ((options.seconds || options.noise) && !render.model.tolerance) render.model.tolerance = kDefaultTolerance; // as render does
+    fixTolerance(render, options);
     PlannedScene planned = planFor(loaded, render.model);
     if (const std::optional<ErrorBudget> &budget = planned.plan.budget) // how many samples a frame will take is foreseen at best
         options.spp =

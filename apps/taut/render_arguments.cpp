@@ -89,6 +89,10 @@ Scene sceneOf(const RenderArguments &arguments) {
     return scene;
 }
 
+void fixTolerance(RenderArguments &arguments, const FrameOptions &options) {
+    if ((options.seconds || options.noise) && !arguments.model.tolerance) arguments.model.tolerance = kDefaultTolerance;
+}
+
 FrameOptions optionsOf(const RenderArguments &arguments, const RenderSettings &render) {
     FrameOptions options;
     options.spp = render.spp;

@@ -58,6 +58,8 @@ ProgressStyle progressStyleOf(const RenderArguments &arguments);
 Scene sceneOf(const RenderArguments &arguments);
 /// Options of every whole frame, but for its seed.
 FrameOptions optionsOf(const RenderArguments &arguments, const RenderSettings &render);
+/// Where how many samples there will be is not known, light is not weighed against noise: the default tolerance holds as if it were given.
+void fixTolerance(RenderArguments &arguments, const FrameOptions &options);
 CheckpointOptions checkpointsOf(const RenderArguments &arguments);
 /// Throws InputError where frames are to be denoised by the ones before them, and not all of them are rendered, or not with numbers of
 /// their own.

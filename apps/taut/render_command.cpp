@@ -183,8 +183,7 @@ int render(RenderArguments &arguments) {
     if (outputs.images.empty() && outputs.movies.empty()) return 0; // every movie is there
     loaded.image = imageSettingsOf(arguments.image, loaded.image, outputs.all());
     checkCompressionOf(loaded.image.exrCompression, options.layers.channelNames());
-    // How many samples there will be is not known: light is not weighed against noise.
-    if ((options.seconds || options.noise) && !arguments.model.tolerance) arguments.model.tolerance = kDefaultTolerance;
+    fixTolerance(arguments, options);
 
     const bool shares = options.picture && !shard && mayShare(options, render);
     PlannedScene planned = planFor(loaded, arguments.model, false, shares);
