@@ -347,7 +347,7 @@ TEST_CASE("Rays that Embree would end the process at meet nothing", "[render]") 
     EmbreeScene embree(false);
     const std::vector<Vec3> corners{Vec3(-1, -1, 0), Vec3(1, -1, 0), Vec3(0, 1, 0), Vec3(0)};
     const std::vector<Index3> triangle{Index3(0, 1, 2)};
-    embree.addTriangles({std::span<const Vec3>(corners)}, triangle);
+    embree.addTriangles({std::span<const Vec3>(corners)}, {triangle});
     embree.commit();
     const float nan = std::nanf("");
     std::vector<Ray> rays(20);

@@ -9,6 +9,7 @@
 #include "taut/base/parallel.h"
 #include "taut/plan/plan.h"
 #include "taut/render/embree_packets.h"
+#include "taut/render/triangle_pairs.h"
 
 #include <array>
 #include <cmath>
@@ -35,7 +36,7 @@ class Bvh {
     Bvh(const Update &update, std::span<const Vec3> positions, std::span<const Index3> triangles) : update_(update) {
         if (update.ours) {
             renderers_ = std::make_unique<EmbreeScene>(true);
-            id_ = renderers_->addTriangles({positions}, triangles);
+            id_ = renderers_->addTriangles({positions}, {triangles});
             renderers_->commit();
             return;
         }
@@ -44,11 +45,13 @@ class Bvh {
         scene_ = rtcNewScene(device_);
         if (quality == RTC_BUILD_QUALITY_LOW) rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_DYNAMIC);
         rtcSetSceneBuildQuality(scene_, quality);
-        geometry_ = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
+        geometry_ = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_QUAD);
         rtcSetSharedGeometryBuffer(geometry_, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, positions.data(), 0, sizeof(Vec3),
                                    positions.size() - 1);
-        rtcSetSharedGeometryBuffer(geometry_, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, triangles.data(), 0, sizeof(Index3),
-                                   triangles.size());
+        const TrianglePairs pairs(triangles);
+        void *const corners =
+            rtcSetNewGeometryBuffer(geometry_, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4, sizeof(QuadCorners), pairs.size());
+        pairs.corners(triangles, {static_cast<QuadCorners *>(corners), pairs.size()});
         rtcSetGeometryBuildQuality(geometry_, quality);
         rtcCommitGeometry(geometry_);
         rtcAttachGeometry(scene_, geometry_);

@@ -122,7 +122,7 @@ int main() {
     std::vector<Vec4> source(64U << 20U >> 4U);
     std::vector<Vec4> target(source.size());
     EmbreeScene embree(true);
-    const Index geometry = embree.addTriangles({whole.steps[0].positions}, whole.surface.triangles);
+    const Index geometry = embree.addTriangles({whole.steps[0].positions}, {whole.surface.triangles});
     embree.commit();
     const auto updateBvh = [&](bool rebuild) {
         embree.update(geometry, rebuild);

@@ -59,7 +59,7 @@ FacetPatch::FacetPatch(const Mesh &patch, const MicroTransform &m) : state_(std:
         const Index *corner = &patch.cornerPositions[patch.faceOffsets[f]];
         state_->triangles.emplace_back(corner[0], corner[1], corner[2]);
     }
-    state_->embree.addTriangles({state_->positions}, state_->triangles);
+    state_->embree.addTriangles({state_->positions}, {state_->triangles});
     state_->embree.commit();
 }
 

@@ -2,6 +2,7 @@
 
 #include "taut/base/error.h"
 #include "taut/render/embree_packets.h"
+#include "taut/render/triangle_pairs.h"
 
 #include <algorithm>
 #include <array>
@@ -51,12 +52,15 @@ void keepSurfaces(const RTCFilterFunctionNArguments *args) {
         hit.v = RTCHitN_v(args->hit, args->N, i);
         hit.geometry = geometryOf(RTCHitN_geomID(args->hit, args->N, i), RTCHitN_instID(args->hit, args->N, i, 0));
         hit.primitive = RTCHitN_primID(args->hit, args->N, i);
+        static_cast<const TrianglePairs *>(args->geometryUserPtr)->toTriangle(hit);
         if (!currentTest->isThere(RTCRayN_id(args->ray, args->N, i), hit)) args->valid[i] = 0;
     }
 }
 
 /// Traces rays [begin, begin + N) as one packet, N wide.
-template <int N, class Packet> void intersectPacket(RTCScene scene, std::span<const Ray> rays, std::size_t begin, std::span<Hit> hits) {
+template <int N, class Packet>
+void intersectPacket(RTCScene scene, const std::vector<const TrianglePairs *> &pairs, std::span<const Ray> rays, std::size_t begin,
+                     std::span<Hit> hits) {
     alignas(64) std::array<int, N> valid;
     alignas(64) Packet packet;
     const std::size_t count = std::min<std::size_t>(N, rays.size() - begin);
@@ -73,6 +77,7 @@ template <int N, class Packet> void intersectPacket(RTCScene scene, std::span<co
         hit.v = packet.hit.v[i];
         hit.geometry = geometryOf(packet.hit.geomID[i], packet.hit.instID[0][i]);
         hit.primitive = packet.hit.primID[i];
+        if (hit.geometry != kNone) pairs[hit.geometry]->toTriangle(hit);
     }
 }
 
@@ -87,9 +92,13 @@ struct EmbreeScene::State {
     std::vector<RTCScene> behind;    ///< [geometries] that of an instance; null: none
     std::vector<unsigned> steps;     ///< [geometries] times in the shutter
     std::vector<unsigned char> asks; ///< [geometries]
+    std::vector<std::unique_ptr<const TrianglePairs>> meshes;
+    std::vector<const TrianglePairs *> pairs; ///< [geometries]
 
-    Index attach(RTCGeometry geometry, std::size_t times);
-    Index instance(RTCScene of, std::size_t times);
+    /// Positions at one time or several.
+    RTCGeometry quads(const std::vector<std::span<const Vec3>> &positions, const MeshTriangles &mesh, RTCBuildQuality quality);
+    Index attach(RTCGeometry geometry, std::size_t times, const TrianglePairs *pairsOf);
+    Index instance(RTCScene of, std::size_t times, const TrianglePairs *pairsOf);
 };
 
 std::string_view embreeVersion() {
@@ -115,63 +124,63 @@ EmbreeScene::~EmbreeScene() {
     if (state_->device != nullptr) rtcReleaseDevice(state_->device);
 }
 
-namespace {
-
-RTCGeometry triangleGeometry(RTCDevice device, const std::vector<std::span<const Vec3>> &positions, std::span<const Index3> triangles,
-                             RTCBuildQuality quality) {
-    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+RTCGeometry EmbreeScene::State::quads(const std::vector<std::span<const Vec3>> &positions, const MeshTriangles &mesh,
+                                      RTCBuildQuality quality) {
+    const TrianglePairs &made = *meshes.emplace_back(std::make_unique<TrianglePairs>(mesh.triangles, mesh.places));
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_QUAD);
     rtcSetGeometryTimeStepCount(geometry, static_cast<unsigned>(positions.size()));
     for (std::size_t step = 0; step < positions.size(); ++step)
         rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, static_cast<unsigned>(step), RTC_FORMAT_FLOAT3, positions[step].data(),
                                    0, sizeof(Vec3), positions[step].size() - 1);
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, triangles.data(), 0, sizeof(Index3), triangles.size());
+    void *const corners = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4, sizeof(QuadCorners), made.size());
+    if (corners != nullptr) made.corners(mesh.triangles, {static_cast<QuadCorners *>(corners), made.size()});
+    rtcSetGeometryUserData(geometry, const_cast<TrianglePairs *>(&made)); // for filters, which read it alone
     rtcSetGeometryBuildQuality(geometry, quality);
     rtcCommitGeometry(geometry);
     return geometry;
 }
 
-} // namespace
-
-Index EmbreeScene::State::attach(RTCGeometry geometry, std::size_t times) {
+Index EmbreeScene::State::attach(RTCGeometry geometry, std::size_t times, const TrianglePairs *pairsOf) {
     const Index id = rtcAttachGeometry(scene, geometry);
     rtcReleaseGeometry(geometry);
     steps.resize(std::max<std::size_t>(steps.size(), id + 1));
     steps[id] = static_cast<unsigned>(times);
     behind.resize(steps.size(), nullptr);
     asks.resize(steps.size(), 0);
+    pairs.resize(steps.size(), nullptr);
+    pairs[id] = pairsOf;
     return id;
 }
 
-Index EmbreeScene::State::instance(RTCScene of, std::size_t times) {
+Index EmbreeScene::State::instance(RTCScene of, std::size_t times, const TrianglePairs *pairsOf) {
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
     rtcSetGeometryInstancedScene(geometry, of);
     rtcSetGeometryTimeStepCount(geometry, static_cast<unsigned>(times));
-    const Index id = attach(geometry, times);
+    const Index id = attach(geometry, times, pairsOf);
     behind[id] = of;
     return id;
 }
 
-Index EmbreeScene::addTriangles(const std::vector<std::span<const Vec3>> &positions, std::span<const Index3> triangles) {
+Index EmbreeScene::addTriangles(const std::vector<std::span<const Vec3>> &positions, const MeshTriangles &mesh) {
     const bool refits = state_->refits && positions.size() == 1;
-    const RTCBuildQuality quality = refits ? RTC_BUILD_QUALITY_REFIT : RTC_BUILD_QUALITY_MEDIUM;
-    return state_->attach(triangleGeometry(state_->device, positions, triangles, quality), positions.size());
+    RTCGeometry geometry = state_->quads(positions, mesh, refits ? RTC_BUILD_QUALITY_REFIT : RTC_BUILD_QUALITY_MEDIUM);
+    return state_->attach(geometry, positions.size(), state_->meshes.back().get());
 }
 
-Index EmbreeScene::addInstance(std::span<const Vec3> positions, std::span<const Index3> triangles,
-                               std::span<const Affine> renderFromLocal) {
+Index EmbreeScene::addInstance(std::span<const Vec3> positions, const MeshTriangles &mesh, std::span<const Affine> renderFromLocal) {
     RTCScene own = rtcNewScene(state_->device); // released with this
     state_->instanced.push_back(own);
-    RTCGeometry triangleMesh = triangleGeometry(state_->device, {positions}, triangles, RTC_BUILD_QUALITY_MEDIUM);
-    rtcAttachGeometry(own, triangleMesh);
-    rtcReleaseGeometry(triangleMesh);
+    RTCGeometry geometry = state_->quads({positions}, mesh, RTC_BUILD_QUALITY_MEDIUM);
+    rtcAttachGeometry(own, geometry);
+    rtcReleaseGeometry(geometry);
     rtcCommitScene(own);
-    const Index id = state_->instance(own, renderFromLocal.size());
+    const Index id = state_->instance(own, renderFromLocal.size(), state_->meshes.back().get());
     place(id, renderFromLocal);
     return id;
 }
 
 Index EmbreeScene::addInstanceOf(Index geometry, std::span<const Affine> renderFromLocal) {
-    const Index id = state_->instance(state_->behind[geometry], renderFromLocal.size());
+    const Index id = state_->instance(state_->behind[geometry], renderFromLocal.size(), state_->pairs[geometry]);
     place(id, renderFromLocal);
     return id;
 }
@@ -219,9 +228,9 @@ void EmbreeScene::commit() {
 void EmbreeScene::intersect(std::span<const Ray> rays, bool coherent, std::span<Hit> hits, const SurfaceTest *test) const {
     const WithTest with(test);
     if (coherent)
-        for (std::size_t i = 0; i < rays.size(); i += 16) intersectPacket<16, RTCRayHit16>(state_->scene, rays, i, hits);
+        for (std::size_t i = 0; i < rays.size(); i += 16) intersectPacket<16, RTCRayHit16>(state_->scene, state_->pairs, rays, i, hits);
     else
-        for (std::size_t i = 0; i < rays.size(); i += 8) intersectPacket<8, RTCRayHit8>(state_->scene, rays, i, hits);
+        for (std::size_t i = 0; i < rays.size(); i += 8) intersectPacket<8, RTCRayHit8>(state_->scene, state_->pairs, rays, i, hits);
 }
 
 void EmbreeScene::occluded(std::span<const Ray> rays, std::span<unsigned char> blocked, const SurfaceTest *test) const {
@@ -236,7 +245,9 @@ void EmbreeScene::occluded(std::span<const Ray> rays, std::span<unsigned char> b
 }
 
 std::size_t EmbreeScene::bytes() const {
-    return static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, state_->bytes.load()));
+    std::size_t bytes = static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, state_->bytes.load()));
+    for (const auto &mesh : state_->meshes) bytes += mesh->bytes();
+    return bytes;
 }
 
 void *EmbreeScene::native() const {

@@ -26,6 +26,11 @@ class SurfaceTest {
 /// The version of Embree that this was compiled with.
 std::string_view embreeVersion();
 
+struct MeshTriangles {
+    std::span<const Index3> triangles;
+    std::span<const Index> places = {}; ///< [vertices] those with the same number are at one place, in every frame; empty: none are known
+};
+
 class EmbreeScene {
   public:
     /// `refits`: meshes will be refitted between commits, each with a BVH of its own that rays take longer through; else one BVH over
@@ -35,15 +40,15 @@ class EmbreeScene {
     EmbreeScene(const EmbreeScene &) = delete;
     EmbreeScene &operator=(const EmbreeScene &) = delete;
 
-    /// Adds a triangle mesh whose buffers the caller owns and keeps in place: positions at one time, or at several equally spaced
-    /// ones within the shutter; each array has one element more than is indexed (Embree reads 16 bytes at each vertex). Returns
-    /// its geometry number.
-    Index addTriangles(const std::vector<std::span<const Vec3>> &positions, std::span<const Index3> triangles);
+    /// Adds a triangle mesh, which Embree gets as quads (triangle_pairs.h). The caller owns the positions and keeps them in place: at one
+    /// time, or at several equally spaced ones within the shutter; each array has one element more than is indexed (Embree reads 16 bytes
+    /// at each vertex). Returns its geometry number.
+    Index addTriangles(const std::vector<std::span<const Vec3>> &positions, const MeshTriangles &mesh);
 
     /// Adds a mesh that moves as a whole: its own BVH is built here, once, around positions in a space of its own (one element more
     /// than is indexed); `renderFromLocal` holds one map, or several at equally spaced times within the shutter, between which
     /// they are interpolated entry by entry.
-    Index addInstance(std::span<const Vec3> positions, std::span<const Index3> triangles, std::span<const Affine> renderFromLocal);
+    Index addInstance(std::span<const Vec3> positions, const MeshTriangles &mesh, std::span<const Affine> renderFromLocal);
 
     /// Adds the mesh of another instance once more, on the BVH that this one has.
     Index addInstanceOf(Index geometry, std::span<const Affine> renderFromLocal);
@@ -71,7 +76,7 @@ class EmbreeScene {
     /// BVHs behind instances.
     [[nodiscard]] std::size_t instancedBvhs() const;
 
-    /// Bytes that Embree holds: BVHs and what goes with them, not the buffers it was given.
+    /// Bytes of BVHs and quads, not of the buffers it was given.
     [[nodiscard]] std::size_t bytes() const;
 
     /// Embree's own handle (RTCScene), for measuring bare calls.

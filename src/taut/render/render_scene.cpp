@@ -51,6 +51,14 @@ InstanceShape shapeOf(const RenderObject &object) {
     return shape;
 }
 
+/// Render vertices of one position are at one place, whatever hard edges and seams make of them.
+std::vector<Index> placesOf(const Surface &surface) {
+    std::vector<Index> places;
+    places.reserve(surface.vertexCount());
+    for (const Index vertex : surface.vertexSurface) places.push_back(surface.surfacePosition[vertex]);
+    return places;
+}
+
 } // namespace
 
 StageTimes &StageTimes::operator+=(const StageTimes &other) {
@@ -116,7 +124,8 @@ void RenderScene::moveCamera(double frame, const DMat4 &renderFromWorld) {
 Index RenderScene::addInstance(const RenderObject &object) {
     Index &shared = instances_.try_emplace(shapeOf(object), kNone).first->second;
     if (shared != kNone) return embree_->addInstanceOf(shared, object.placements);
-    return shared = embree_->addInstance(object.steps.front().positions, object.surface.triangles, object.placements);
+    const std::vector<Index> places = placesOf(object.surface);
+    return shared = embree_->addInstance(object.steps.front().positions, {object.surface.triangles, places}, object.placements);
 }
 
 /// What a material's textures need to be looked up over footprints.
@@ -193,7 +202,8 @@ void RenderScene::setFrame(double frame, StageTimes &times) {
         if (!committed_) {
             std::vector<std::span<const Vec3>> steps;
             for (const SurfaceStep &step : object.steps) steps.emplace_back(step.positions);
-            object.geometry = object.instanced ? addInstance(object) : embree_->addTriangles(steps, object.surface.triangles);
+            object.geometry =
+                object.instanced ? addInstance(object) : embree_->addTriangles(steps, {object.surface.triangles, placesOf(object.surface)});
             owners_.resize(std::max<std::size_t>(owners_.size(), object.geometry + 1), kNone);
             owners_[object.geometry] = i;
             if (!object.rigid && refits_) object.bvh.built(object.surface.triangles, positions);
