@@ -112,6 +112,18 @@ class References {
         }
         return std::sqrt(std::max(square, 0.0) / all);
     }
+    /// Of either of the two.
+    [[nodiscard]] double ownError() const {
+        double square = 0;
+        double all = 0;
+        for (std::size_t i = 0; i < sums_[0].values.size(); ++i) {
+            const double first = sums_[0].values[i] / sums_[0].samples;
+            const double second = sums_[1].values[i] / sums_[1].samples;
+            square += 0.5 * sqr(first - second);
+            all += first * second;
+        }
+        return std::sqrt(square / all);
+    }
 
   private:
     struct Sum {
@@ -159,7 +171,17 @@ class FixedSamples {
         const double rate = (last.seconds - at(samples / 4).seconds) / (0.75 * samples);
         return last.seconds + rate * (samplesToReach(curve, error) - samples);
     }
-    [[nodiscard]] const References &references() const { return references_; }
+    /// Sharp enough to tell an error from: samples are added, twice as many each time, until either is no further off than that.
+    const References &referencesFor(double error) {
+        for (int samples = 2 * most_; references_.ownError() > error && samples <= kMost; samples *= 2)
+            for (std::size_t i = 0; i < 2; ++i)
+                references_.add(
+                    i,
+                    shootFixed(scene_, frame_, samples, static_cast<std::uint32_t>(1000 * (i + 1)) + static_cast<std::uint32_t>(samples))
+                        .values,
+                    samples);
+        return references_;
+    }
 
   private:
     const Scene &scene_;
@@ -193,11 +215,12 @@ Outcome outcomeOf(const ErrorScene &from, int most) {
     std::array<double, kErrors.size()> seconds{};
     for (std::size_t i = 0; i < kErrors.size(); ++i) seconds[i] = fixed.secondsTo(static_cast<double>(kErrors[i]));
     for (std::size_t i = 0; i < kByHand.size(); ++i) outcome.byHand[i] = fixed.at(std::min(kByHand[i], most));
+    const References &references = fixed.referencesFor(static_cast<double>(kErrors.back()));
     for (std::size_t i = 0; i < kErrors.size(); ++i)
         for (const Way way : kWays) {
             const Shot shot = shootTo(scene, from.frame, kErrors[i], way, 17);
-            outcome.ways[static_cast<std::size_t>(way)][i] = {fixed.references().trueError(shot.values), shot.told, shot.seconds,
-                                                              seconds[i], shot.samples};
+            outcome.ways[static_cast<std::size_t>(way)][i] = {references.trueError(shot.values), shot.told, shot.seconds, seconds[i],
+                                                              shot.samples};
         }
     return outcome;
 }
@@ -239,10 +262,12 @@ Chart measurePlan(const ChartOptions &options) {
     const bool quick = options.effort == Effort::Quick;
     const char *wanted = std::getenv("TAUT_PLAN_WIDTH");
     const int width = wanted != nullptr ? std::clamp(std::atoi(wanted), 16, 1024) : quick ? 48 : 96;
+    const char *only = std::getenv("TAUT_PLAN_SCENES");
+    const std::string named = only != nullptr ? ':' + std::string(only) + ':' : "";
     std::vector<Outcome> outcomes;
     int number = 0;
     for (const ErrorScene &scene : errorScenes(width))
-        if (!quick || number++ % 6 == 2) {
+        if (only != nullptr ? named.find(':' + scene.name + ':') != std::string::npos : !quick || number++ % 6 == 2) {
             outcomes.push_back(outcomeOf(scene, quick ? 64 : 1024));
             tell(outcomes.back());
         }
