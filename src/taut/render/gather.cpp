@@ -1,3 +1,4 @@
+#include "taut/render/aov.h"
 #include "taut/render/facet.h"
 #include "taut/render/path_state.h"
 
@@ -17,15 +18,16 @@ void prefetchTexels(const Texture &texture, const UvPoint &point) {
 } // namespace
 
 /// Puts a hit aside to be shaded with others, where its mesh and material let it.
-bool PathTracer::State::waits(int event, std::size_t i, int aovChannels) {
+bool PathTracer::State::waits(int event, std::size_t i) {
     const Hit &hit = hits[i];
     const Index owner = scene.objectOfGeometry(hit.geometry);
-    if (laneObjects[owner] == LaneObject::Alone || (event == 0 && aovChannels > 0)) return false;
+    if (laneObjects[owner] == LaneObject::Alone) return false;
     const RenderObject &object = scene.objects()[owner];
     const Index material = materialOfTriangle(object, hit.primitive);
     if (!laneMaterials[material].inLanes) return false;
+    if (event >= settings.maxEvents && (event == 0 || mayEmit(object, hit.primitive))) return false;
     if (event == 0) paths[active[i]].alpha = 1;
-    if (event >= settings.maxEvents) return !mayEmit(object, hit.primitive);
+    if (event >= settings.maxEvents) return true; // nothing is left to do
     waiting[material].push_back(static_cast<Index>(i));
     __builtin_prefetch(&object.surface.triangles[hit.primitive]);
     return true;
@@ -189,6 +191,42 @@ SurfacePoint PathTracer::State::pointOf(std::size_t lane, const LaneMaterial &ma
     return point;
 }
 
+/// AOVs of first hits, from what the lanes hold of them: what surfacePointAt() would say.
+void PathTracer::State::writeAovsAtOnce(const LaneMaterial &material, std::span<const Index> chunk, const FirstHitOutputs &outputs) {
+    const HitLanes &l = *lanes;
+    const bool glossy = bsdfInfo(material.bsdf.type).microsurface;
+    SurfacePoint point;
+    for (std::size_t k = 0; k < chunk.size(); ++k) {
+        const Hit &hit = hits[chunk[k]];
+        const RenderObject &object = scene.objects()[scene.objectOfGeometry(hit.geometry)];
+        Path &path = paths[l.path[k]];
+        const HitCorners<false> corners(object, hit, path.time);
+        InterpolatedSurface at;
+        at.position = l.position.at(k);
+        at.e1 = l.e1.at(k);
+        at.e2 = l.e2.at(k);
+        at.normal = l.normal.at(k);
+        at.tangent = Vec4(l.tangent.at(k), l.tangentSense[k]);
+        at.corners = l.corners[k];
+        const SurfaceGeometry geometry = surfaceGeometry(at, l.wo.at(k));
+        point.position = at.position;
+        point.geometricNormal = l.geometricNormal.at(k);
+        point.frame = Frame(geometry.s, geometry.t, geometry.n);
+        point.facet = Frame(l.s.at(k), l.t.at(k), l.n.at(k));
+        point.tilted = l.leans && l.tilted[k] != 0;
+        point.stretch = l.stretch.at(k);
+        point.tangent = {l.tangentX[k], l.tangentY[k]};
+        point.uv = material.varies ? meshValues[k].uv : meshValuesOf(k, chunk[k], *material.prepared).uv;
+        point.baseColor = l.color.at(k);
+        point.object = &object;
+        point.corners = corners.corners();
+        point.barycentrics = corners.barycentrics();
+        if (glossy) point.bsdf.micro = l.micro(k);
+        path.hasAovs = true;
+        writeAovs(scene, point, outputs.aovs, &aovs[l.path[k] * outputs.channels]);
+    }
+}
+
 /// Samples lights from all lanes.
 void PathTracer::State::connectAtOnce(int event, const LaneMaterial &material) {
     HitLanes &l = *lanes;
@@ -208,7 +246,7 @@ void PathTracer::State::connectAtOnce(int event, const LaneMaterial &material) {
     lanes::useKept(l, candidates);
 }
 
-void PathTracer::State::shadeAtOnce(int event, const LaneMaterial &material, std::span<const Index> chunk) {
+void PathTracer::State::shadeAtOnce(int event, const LaneMaterial &material, std::span<const Index> chunk, const FirstHitOutputs &outputs) {
     HitLanes &l = *lanes;
     l.count = static_cast<int>(chunk.size());
     l.leans = material.mapped || material.layered;
@@ -224,6 +262,7 @@ void PathTracer::State::shadeAtOnce(int event, const LaneMaterial &material, std
                                scene.lights().choices};
     const bool lit = numbers.lights > 0;
     lanes::view(l, material, numbers);
+    if (event == 0 && outputs.channels > 0) writeAovsAtOnce(material, chunk, outputs);
     if (hasEmitters) seeEmissions(material, chunk);
     if (!l.allAlone()) {
         if (lit) connectAtOnce(event, material);

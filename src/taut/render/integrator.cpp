@@ -48,7 +48,7 @@ PathTracer::PathTracer(const RenderScene &scene, const std::vector<PreparedMater
 }
 PathTracer::~PathTracer() = default;
 
-void PathTracer::State::shadeAll(int event, const std::vector<Aov> &wanted, int aovChannels) {
+void PathTracer::State::shadeAll(int event, const FirstHitOutputs &outputs) {
     nextRays.clear();
     stillActive.clear();
     shadowRays.clear();
@@ -62,14 +62,14 @@ void PathTracer::State::shadeAll(int event, const std::vector<Aov> &wanted, int 
         if (hasIds && hits[i].geometry != kNone) noteFirstHit(i);
         if (hits[i].geometry == kNone)
             escape(i);
-        else if (!waits(event, i, aovChannels))
-            shade(event, active[i], rays[i], hits[i], wanted, aovChannels);
+        else if (!waits(event, i))
+            shade(event, active[i], rays[i], hits[i], outputs);
     }
     lookUpEscaped();
     for (std::size_t m = 0; m < waiting.size(); ++m) {
         const std::span<const Index> all = waiting[m];
         for (std::size_t begin = 0; begin < all.size(); begin += HitLanes::kSize)
-            shadeAtOnce(event, laneMaterials[m], all.subspan(begin, std::min<std::size_t>(HitLanes::kSize, all.size() - begin)));
+            shadeAtOnce(event, laneMaterials[m], all.subspan(begin, std::min<std::size_t>(HitLanes::kSize, all.size() - begin)), outputs);
         waiting[m].clear();
     }
     active.swap(stillActive);
@@ -112,12 +112,12 @@ bool PathTracer::traceTile(const Window &tile, int firstSample, int lastSample, 
     State &s = *state_;
     const int step = samplesABatch(tile);
     Film &film = access.film;
-    const int aovChannels = film.aovChannels();
+    const FirstHitOutputs outputs{film.aovs(), static_cast<std::size_t>(film.aovChannels())};
     if (film.denoiseSums() != nullptr) s.probeTile(tile, access, times);
     for (int first = firstSample; first < lastSample; first += step) {
         auto clock = std::chrono::steady_clock::now();
         s.startPaths(tile, first, std::min(first + step, lastSample));
-        s.aovs.assign(s.paths.size() * static_cast<std::size_t>(aovChannels), 0.0F);
+        s.aovs.assign(s.paths.size() * outputs.channels, 0.0F);
         s.startLayers();
         counts.paths += s.paths.size();
         for (int event = 0; !s.active.empty(); ++event) {
@@ -131,7 +131,7 @@ bool PathTracer::traceTile(const Window &tile, int firstSample, int lastSample, 
             s.intersect(event);
             (event == 0 ? times.cameraRays : times.scatteredRays) += secondsSince(clock);
             if (s.hasMedia) s.attenuate();
-            s.shadeAll(event, film.aovs(), aovChannels);
+            s.shadeAll(event, outputs);
             times.shading += secondsSince(clock);
             counts.shadow += s.shadowRays.size();
             if (s.settings.record != nullptr)
@@ -146,8 +146,7 @@ bool PathTracer::traceTile(const Window &tile, int firstSample, int lastSample, 
                 ++counts.notFinite;
                 path.radiance = Vec3(0);
             }
-            film.add(path.x, path.y, path.radiance, path.alpha,
-                     path.hasAovs ? s.aovs.data() + i * static_cast<std::size_t>(aovChannels) : nullptr);
+            film.add(path.x, path.y, path.radiance, path.alpha, path.hasAovs ? s.aovs.data() + i * outputs.channels : nullptr);
             if (s.settings.layers != nullptr) film.addLayers(path.x, path.y, path.radiance, s.layerSample(i));
             if (DenoiseSums *sums = film.denoiseSums(); sums != nullptr)
                 sums->add(path.x, path.y, path.sample, path.radiance, path.alpha > 0);

@@ -31,6 +31,12 @@ struct Path {
     [[nodiscard]] Receiver receiver(const Vec3 &origin) const { return {origin, normal}; }
 };
 
+/// What a film keeps of first hits.
+struct FirstHitOutputs {
+    std::span<const Aov> aovs;
+    std::size_t channels = 0; ///< of all of them
+};
+
 struct ShadowTest {
     Index path;
     Vec3 contribution;
@@ -121,7 +127,7 @@ struct PathTracer::State {
     void addPaths();
     void intersect(int event);
     void attenuate();
-    void shadeAll(int event, const std::vector<Aov> &wanted, int aovChannels);
+    void shadeAll(int event, const FirstHitOutputs &outputs);
     void escape(std::size_t i);
     void lookUpEscaped();
     void seeEnvironment(Path &path, const Vec3 &radiance, float lightPdf);
@@ -131,9 +137,9 @@ struct PathTracer::State {
     void probeTile(const Window &tile, const FilmAccess &access, StageTimes &times);
     class Probes;
     void seeEmission(Path &path, const Ray &ray, const Hit &hit, const Vec3 &geometricNormal, const Vec3 &emission);
-    void shade(int event, Index index, const Ray &ray, const Hit &hit, const std::vector<Aov> &wanted, int aovChannels);
+    void shade(int event, Index index, const Ray &ray, const Hit &hit, const FirstHitOutputs &outputs);
     void scatter(int event, Index index, const SurfacePoint &point, const Vec3 &wo, float distance);
-    [[nodiscard]] bool waits(int event, std::size_t i, int aovChannels);
+    [[nodiscard]] bool waits(int event, std::size_t i);
     void prefetch(std::size_t i) const;
     template <bool kStill> void gatherSurface(std::size_t lane, std::size_t i, bool isPlain);
     void gather(std::size_t lane, std::size_t i);
@@ -143,7 +149,8 @@ struct PathTracer::State {
     [[nodiscard]] SurfacePoint pointOf(std::size_t lane, const LaneMaterial &material) const;
     void seeEmissions(const LaneMaterial &material, std::span<const Index> chunk);
     void connectAtOnce(int event, const LaneMaterial &material);
-    void shadeAtOnce(int event, const LaneMaterial &material, std::span<const Index> chunk);
+    void writeAovsAtOnce(const LaneMaterial &material, std::span<const Index> chunk, const FirstHitOutputs &outputs);
+    void shadeAtOnce(int event, const LaneMaterial &material, std::span<const Index> chunk, const FirstHitOutputs &outputs);
     /// What a light's contribution keeps on its way through the medium that the path is in, to a surface's `side` of the viewer (above 0).
     static void attenuate(const Path &path, float side, float distance, Vec3 &contribution) {
         if (path.extinction != Vec3(0) && side > 0 && distance < kInfinity) contribution *= glm::exp(-path.extinction * distance);

@@ -61,15 +61,14 @@ void PathTracer::State::seeEmission(Path &path, const Ray &ray, const Hit &hit, 
     addLight(path, path.throughput * emission * weight, [&] { return groupOf(owner, hit.primitive); });
 }
 
-void PathTracer::State::shade(int event, Index index, const Ray &ray, const Hit &hit, const std::vector<Aov> &wanted, int aovChannels) {
+void PathTracer::State::shade(int event, Index index, const Ray &ray, const Hit &hit, const FirstHitOutputs &outputs) {
     Path &path = paths[index];
     const float coneWidth = hasCones ? path.cone.widthAt(hit.t) : 0.0F;
     const SurfacePoint point = surfacePointAt(scene, materials, hit, -ray.direction, path.time, coneWidth);
     if (path.scatterPdf == 0) {
         path.alpha = 1;
         path.hasAovs = true;
-        if (aovChannels > 0)
-            writeAovs(scene, point, wanted, &aovs[static_cast<std::size_t>(index) * static_cast<std::size_t>(aovChannels)]);
+        if (outputs.channels > 0) writeAovs(scene, point, outputs.aovs, &aovs[index * outputs.channels]);
     }
     if (point.emission != Vec3(0)) seeEmission(path, ray, hit, point.geometricNormal, point.emission);
     if (!point.scatters)
