@@ -15,9 +15,9 @@ namespace taut {
 /// Both cores together; chart `bvh` draws the same on one thread, where updates and rays take about twice as long. A build is one of
 /// medium quality.
 struct BvhCosts {
-    double refit = 22e-9;     ///< s a triangle
-    double build = 230e-9;    ///< s a triangle, beyond a refit
-    double ray = 120e-9;      ///< s a ray, all threads together
+    double refit = 10e-9;     ///< s a triangle
+    double build = 75e-9;     ///< s a triangle, beyond a refit
+    double ray = 78e-9;       ///< s a ray, all threads together
     double slowdown = 1.0;    ///< relative slowdown of rays per relative growth of the boxes, plots "mild" and "strong"
     double refittable = 0.15; ///< relative slowdown of rays through BVHs that can be refitted, when fresh
 };
@@ -32,7 +32,7 @@ struct PlanCosts {
     // ns a vertex, one thread: chart `gradient`, deformation, gradient and V; refits by chart `bvh`. Printed only.
     float limit = 83;
     float analytic = 128;
-    float refit = 45;
+    float refit = 39;
     // Light that meets several facets, ns a hit over single scattering: charts `multiscatter` and, for the variance, `plan`. The walk's
     // time grows with the share of the light that does, and so does its variance over that of single scattering. These decide whether
     // the compensation is a choice at all: only where it costs less than the walk at equal noise.
