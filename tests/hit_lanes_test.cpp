@@ -31,9 +31,9 @@ TEST_CASE("Shading at once gives the picture of shading one by one", "[render][l
         for (const bool animated : {false, true}) {
             INFO(c.name << (animated ? ", animated" : ""));
             const Scene s = laneScene(c.material);
-            const std::vector<float> atOnce = imageOf(s, false, animated, 16);
-            CHECK(atOnce == imageOf(s, true, animated, 16));
-            CHECK(*std::max_element(atOnce.begin(), atOnce.end()) > 0.5F);
+            const Film atOnce = filmOf(s, false, animated, 16);
+            CHECK(atOnce.resolve() == imageOf(s, true, animated, 16));
+            CHECK(brightest(atOnce) > 0.5F);
         }
 }
 

@@ -75,14 +75,14 @@ std::string describe(const Measured &m) {
 
 } // namespace
 
-// As a BVH of triangles it was 1.46 times, of 203 bytes a triangle; pairs leave 182 of them, and took them from the least as well.
-TEST_CASE("A deforming mesh takes at most 1.55 times the memory of BVH, positions, normals, UVs, ds and dt", "[memory][render]") {
+// With a BVH of triangles it was 1.46 times, of 203 bytes a triangle; pairs leave 183 of them, and the BVH is in the least as well.
+TEST_CASE("A deforming mesh takes at most 1.6 times the memory of BVH, positions, normals, UVs, ds and dt", "[memory][render]") {
     for (const bool refits : {false, true}) {
         const Measured m = measureTorus(632, 158, 0, refits);
         INFO(describe(m));
         REQUIRE(m.refits == refits);
         REQUIRE(m.use.triangles == 199'712);
-        CHECK(m.ratio() <= 1.55);
+        CHECK(m.ratio() <= 1.6);
         checkAgainstMalloc(m);
     }
 }
@@ -92,6 +92,6 @@ TEST_CASE("A subdivided mesh that deforms holds its rows of weights once", "[mem
     INFO(describe(m));
     // Rows of 16 points and more at each of the vertices, half as many as triangles: 8 bytes of index and weight each for positions, 8
     // more for the gradient.
-    CHECK(m.ratio() <= 2.8);
+    CHECK(m.ratio() <= 2.9);
     checkAgainstMalloc(m);
 }

@@ -99,11 +99,11 @@ TEST_CASE("taut info prints the questions of a plan with what they lose and cost
           "    plan: M uniform, gradient analytic, interpolation stretch\n"
           "    stretch: uniform (predicted error 0, 9 ns a hit); next cheaper: constant (predicted error 1.1, 0 ns a hit)\n"
           "    gradient: analytic (predicted error 0, 128 ns a vertex)\n"
-          "    bvh: refit, 1 of 2 frames rebuilt (predicted error 0, 0.2 ms a frame, slower rays included)\n"
+          "    bvh: refit, 1 of 2 frames rebuilt (predicted error 0, 0.187 ms a frame, slower rays included)\n"
           "plan: tolerance 0.01, predicted error 0, BVH refit, rebuilt where its rays would pay for it\n"
           "  of               question       taken               error      time     saves  next step\n"
           "  plate            stretch        uniform                 0 4.15e-05 s 3.23e-05 s  -\n"
-          "  plate            bvh            refit                   0 0.000601 s -7.83e-05 s  -\n"
+          "  plate            bvh            refit                   0 0.000561 s -3.92e-05 s  -\n"
           "  brushed          multiscatter   walk                    0 0.00538 s         -  -\n");
 }
 

@@ -157,6 +157,35 @@ TEST_CASE("Triangle pairs: each triangle once, in its own corners", "[triangle-p
     for (Index t = 0; t < soup.triangles.size(); ++t) CHECK(seen.count(t) == 1);
 }
 
+TEST_CASE("Triangle pairs: front and back of one triangle", "[triangle-pairs]") {
+    const Soup sheet{{Vec3(0), Vec3(1, 0, 0), Vec3(0, 1, 0.5F), Vec3(0)}, {Index3(0, 1, 2)}};
+    for (int turn = 0; turn < 3; ++turn) {
+        Soup both = sheet;
+        Index3 back(2, 1, 0);
+        for (int k = 0; k < turn; ++k) back = Index3(back.y, back.z, back.x);
+        both.triangles.push_back(back);
+        const TrianglePairs pairs(both.triangles);
+        REQUIRE(pairs.size() == 1);
+        std::vector<QuadCorners> quads(1);
+        pairs.corners(both.triangles, quads);
+        const auto [a, b, c, d] = quads[0];
+        CHECK(a != b);
+        CHECK(c != d);
+        CHECK(c != b); // neither half is flat
+        CHECK(toldOf(pairs, 0, 0.25F, 0.25F).triangle == 0);
+        const Told second = toldOf(pairs, 0, 0.75F, 0.875F);
+        CHECK(second.triangle == 1);
+        const auto at = [&](Index corner) { return DVec3(both.positions[corner]); };
+        CHECK(glm::length(pointOf(both, 1, second.u, second.v) - (0.625 * at(c) + 0.25 * at(d) + 0.125 * at(b))) < 1e-6);
+    }
+}
+
+TEST_CASE("Triangle pairs: a hub of many open edges", "[triangle-pairs]") {
+    std::vector<Index3> book; // pages at one spine
+    for (Index page = 2; page < 200'000; ++page) book.emplace_back(0, 1, page);
+    CHECK(TrianglePairs(book).size() == book.size());
+}
+
 TEST_CASE("Triangle pairs: few stay alone", "[triangle-pairs]") {
     std::mt19937 random(5);
     CHECK(TrianglePairs(sheet(60, false, false, random).triangles).size() == 60 * 60);
@@ -197,9 +226,14 @@ TEST_CASE("Triangle pairs: rays meet what a search in double finds", "[triangle-
         const Affine here(1);
         for (const bool refits : {false, true}) {
             EmbreeScene scene(refits);
-            scene.addTriangles({soup.positions}, {soup.triangles});
+            Soup moving = soup;
+            const Index geometry = scene.addTriangles({moving.positions}, {moving.triangles});
             scene.commit();
-            checkHits(scene, soup, rays);
+            checkHits(scene, moving, rays);
+            for (Vec3 &p : moving.positions) p.z += 0.2F * std::sin(p.x);
+            scene.update(geometry, false);
+            scene.commit();
+            checkHits(scene, moving, rays);
         }
         EmbreeScene instanced(false);
         instanced.addInstance(soup.positions, {soup.triangles}, {&here, 1});

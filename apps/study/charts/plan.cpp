@@ -6,6 +6,7 @@
 #include "study/scenes/error_scenes.h"
 #include "study/text.h"
 
+#include "taut/base/error.h"
 #include "taut/pilot/plan_by_pilots.h"
 
 #include <algorithm>
@@ -271,6 +272,8 @@ Chart measurePlan(const ChartOptions &options) {
             outcomes.push_back(outcomeOf(scene, quick ? 64 : 1024));
             tell(outcomes.back());
         }
+
+    if (outcomes.empty()) throw InputError("TAUT_PLAN_SCENES: found " + quoted(std::string(only)) + ", expected names of scenes, separated by colons");
 
     const std::string conditions = std::to_string(outcomes.size()) + " scenes, " + std::to_string(width) +
                                    " pixels wide; time of the process from the scene on: plan, pilots, topology, frame, samples";

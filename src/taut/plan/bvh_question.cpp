@@ -51,8 +51,9 @@ void BvhForecast::add(const ObjectSurface &object) {
     bool build = frames_ < 0;
     if (!build) {
         const double refit = policy_.refitSeconds(triangles, positions_, rays_, costs_);
-        refitSeconds_ += refit;
-        build = refit > BvhPolicy::rebuildSeconds(triangles.size(), costs_);
+        const double rebuild = BvhPolicy::rebuildSeconds(triangles.size(), costs_);
+        build = refit > rebuild;
+        refitSeconds_ += std::min(refit, rebuild);
         if (build) ++rebuilds_;
     }
     ++frames_;

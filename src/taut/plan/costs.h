@@ -12,8 +12,8 @@
 
 namespace taut {
 
-/// Both cores together; chart `bvh` draws the same on one thread, where updates and rays take about twice as long. A build is one of
-/// medium quality.
+/// Both cores together; chart `bvh` draws the same on one thread, where updates and rays take about twice as long. One run of it, with
+/// quads (triangle_pairs.h). A build is one of medium quality.
 struct BvhCosts {
     double refit = 10e-9;     ///< s a triangle
     double build = 75e-9;     ///< s a triangle, beyond a refit

@@ -245,7 +245,11 @@ void EmbreeScene::occluded(std::span<const Ray> rays, std::span<unsigned char> b
 }
 
 std::size_t EmbreeScene::bytes() const {
-    std::size_t bytes = static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, state_->bytes.load()));
+    return static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, state_->bytes.load()));
+}
+
+std::size_t EmbreeScene::pairBytes() const {
+    std::size_t bytes = 0;
     for (const auto &mesh : state_->meshes) bytes += mesh->bytes();
     return bytes;
 }

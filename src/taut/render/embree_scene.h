@@ -28,7 +28,8 @@ std::string_view embreeVersion();
 
 struct MeshTriangles {
     std::span<const Index3> triangles;
-    std::span<const Index> places = {}; ///< [vertices] those with the same number are at one place, in every frame; empty: none are known
+    std::span<const Index> places =
+        {}; ///< [vertices] those with the same number are at one place in every frame, to rounding; empty: none are known
 };
 
 class EmbreeScene {
@@ -76,8 +77,10 @@ class EmbreeScene {
     /// BVHs behind instances.
     [[nodiscard]] std::size_t instancedBvhs() const;
 
-    /// Bytes of BVHs and quads, not of the buffers it was given.
+    /// Bytes that Embree holds: BVHs, quads and what goes with them, not the positions it was given.
     [[nodiscard]] std::size_t bytes() const;
+    /// Beside them, of what tells triangles from quads.
+    [[nodiscard]] std::size_t pairBytes() const;
 
     /// Embree's own handle (RTCScene), for measuring bare calls.
     [[nodiscard]] void *native() const;

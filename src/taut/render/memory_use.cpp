@@ -23,6 +23,7 @@ std::size_t bytesOf(const Mesh &mesh) {
 MemoryUse memoryUse(const RenderScene &scene) {
     MemoryUse use;
     use.embree = scene.embree().bytes();
+    use.shown = scene.embree().pairBytes();
     std::set<const Mesh *> meshes;
     for (const RenderObject &object : scene.objects()) {
         const Surface &s = object.surface;

@@ -10,6 +10,8 @@ namespace taut {
 namespace {
 
 constexpr int kCorners = 3;
+/// Edges that wait at a vertex among which a partner is looked for: a hub of a million open edges shall not take their square.
+constexpr std::size_t kMostLooked = 64;
 /// A mesh is one of quads that were cut where all but one in so many of its triangles have their partner beside them.
 constexpr std::size_t kOfQuads = 16;
 
@@ -21,12 +23,17 @@ bool isFlat(const Index3 &t) { // by its indices: its edges are not three
     return t.x == t.y || t.y == t.z || t.z == t.x;
 }
 
-/// The corner before the edge of `a` that `b` passes the other way round; -1: there is none.
-int sharedEdge(const Index3 &a, const Index3 &b) {
+/// An edge of `a` that `b` passes the other way round: the corner that it begins at in either. One where all three are shared, front and
+/// back of a sheet. Negative: there is none.
+struct SharedEdge {
+    int ofA = -1, ofB = -1;
+    [[nodiscard]] bool exists() const { return ofA >= 0; }
+};
+SharedEdge sharedEdge(const Index3 &a, const Index3 &b) {
     for (int i = 0; i < kCorners; ++i)
         for (int j = 0; j < kCorners; ++j)
-            if (cornerOf(a, i) == cornerOf(b, j + 1) && cornerOf(a, i + 1) == cornerOf(b, j)) return i;
-    return -1;
+            if (cornerOf(a, i) == cornerOf(b, j + 1) && cornerOf(a, i + 1) == cornerOf(b, j)) return {i, j};
+    return {};
 }
 
 /// Who shares an edge with whom: for each triangle, up to three others that pass its edges the other way round. An edge of more than two
@@ -51,8 +58,8 @@ class Neighbours {
             const Index from = cornerOf(triangles[t], i);
             const Index to = cornerOf(triangles[t], i + 1);
             const Index at = std::min(from, to);
-            Edge *const begin = edges.data() + first[at];
             Edge *const end = edges.data() + next[at];
+            Edge *const begin = end - std::min<std::size_t>(next[at] - first[at], kMostLooked);
             Edge *const other = std::find_if(begin, end, [&](const Edge &e) { return e.from == to && e.to == from && e.triangle != t; });
             if (other == end) {
                 edges[next[at]++] = {from, to, t, i};
@@ -85,7 +92,7 @@ using Partners = std::vector<Index>;
 std::size_t pairInOrder(std::span<const Index3> triangles, Partners &partners) {
     std::size_t paired = 0;
     for (Index t = 0; t + 1 < triangles.size(); ++t) {
-        if (isFlat(triangles[t]) || isFlat(triangles[t + 1]) || sharedEdge(triangles[t], triangles[t + 1]) < 0) continue;
+        if (isFlat(triangles[t]) || isFlat(triangles[t + 1]) || !sharedEdge(triangles[t], triangles[t + 1]).exists()) continue;
         partners[t] = t + 1;
         partners[t + 1] = t;
         paired += 2;
@@ -146,9 +153,9 @@ TrianglePairs::TrianglePairs(std::span<const Index3> triangles, std::span<const 
         const Index other = partners[t];
         if (other == kNone) members_.push_back({4 * t, kAlone});
         if (other == kNone || other < t) continue;
-        // The corner across from the shared edge comes first.
-        const int a = (sharedEdge(triangles[t], triangles[other]) + 2) % kCorners;
-        const int c = (sharedEdge(triangles[other], triangles[t]) + 2) % kCorners;
+        const SharedEdge edge = sharedEdge(triangles[t], triangles[other]);
+        const int a = (edge.ofA + 2) % kCorners; // across from the edge
+        const int c = (edge.ofB + 2) % kCorners;
         members_.push_back({4 * t + static_cast<Member>(a), 4 * other + static_cast<Member>(c)});
     }
     const auto isInOrder = [q = Member{0}](const Members &pair) mutable {
@@ -161,7 +168,7 @@ TrianglePairs::TrianglePairs(std::span<const Index3> triangles, std::span<const 
     }
     turns_.reserve(members_.size());
     for (const auto &[first, second] : members_) turns_.push_back(static_cast<std::uint8_t>((first & 3U) | (second & 3U) << 2U));
-    members_ = {};
+    members_ = std::vector<Members>();
 }
 
 void TrianglePairs::corners(std::span<const Index3> triangles, std::span<QuadCorners> quads) const {

@@ -20,8 +20,8 @@ class TrianglePairs {
     static constexpr std::size_t kMost = std::size_t{1} << 30U;
 
     /// Pairs what shares an edge that both pass in opposite directions; what finds no partner stays alone. `places`: [vertices] those with
-    /// the same number are at one place in every frame; empty: each is at its own. Indices alone decide, so that a mesh has the same pairs
-    /// in every frame. Throws InputError beyond kMost.
+    /// the same number are at one place in every frame, to rounding; empty: each is at its own. Indices alone decide, so that a mesh has
+    /// the same pairs in every frame. Throws InputError beyond kMost.
     explicit TrianglePairs(std::span<const Index3> triangles, std::span<const Index> places = {});
 
     /// Quads, in the order of their first triangles where neighbours follow each other in the mesh.
