@@ -52,7 +52,7 @@ void keepSurfaces(const RTCFilterFunctionNArguments *args) {
         hit.v = RTCHitN_v(args->hit, args->N, i);
         hit.geometry = geometryOf(RTCHitN_geomID(args->hit, args->N, i), RTCHitN_instID(args->hit, args->N, i, 0));
         hit.primitive = RTCHitN_primID(args->hit, args->N, i);
-        static_cast<const TrianglePairs *>(args->geometryUserPtr)->toTriangle(hit);
+        if (const auto *pairs = static_cast<const TrianglePairs *>(args->geometryUserPtr)) pairs->toTriangle(hit);
         if (!currentTest->isThere(RTCRayN_id(args->ray, args->N, i), hit)) args->valid[i] = 0;
     }
 }
@@ -77,7 +77,7 @@ void intersectPacket(RTCScene scene, const std::vector<const TrianglePairs *> &p
         hit.v = packet.hit.v[i];
         hit.geometry = geometryOf(packet.hit.geomID[i], packet.hit.instID[0][i]);
         hit.primitive = packet.hit.primID[i];
-        if (hit.geometry != kNone) pairs[hit.geometry]->toTriangle(hit);
+        if (hit.geometry != kNone && pairs[hit.geometry] != nullptr) pairs[hit.geometry]->toTriangle(hit);
     }
 }
 
@@ -88,15 +88,15 @@ struct EmbreeScene::State {
     RTCScene scene = nullptr;
     bool refits = false;
     std::atomic<std::ptrdiff_t> bytes{0};
-    std::vector<RTCScene> instanced; ///< the BVHs behind instances
-    std::vector<RTCScene> behind;    ///< [geometries] that of an instance; null: none
-    std::vector<unsigned> steps;     ///< [geometries] times in the shutter
-    std::vector<unsigned char> asks; ///< [geometries]
-    std::vector<std::unique_ptr<const TrianglePairs>> meshes;
-    std::vector<const TrianglePairs *> pairs; ///< [geometries]
+    std::vector<RTCScene> instanced;                          ///< the BVHs behind instances
+    std::vector<RTCScene> behind;                             ///< [geometries] that of an instance; null: none
+    std::vector<unsigned> steps;                              ///< [geometries] times in the shutter
+    std::vector<unsigned char> asks;                          ///< [geometries]
+    std::vector<std::unique_ptr<const TrianglePairs>> meshes; ///< null: no quads
+    std::vector<const TrianglePairs *> pairs;                 ///< [geometries] likewise
 
     /// Positions at one time or several.
-    RTCGeometry quads(const std::vector<std::span<const Vec3>> &positions, const MeshTriangles &mesh, RTCBuildQuality quality);
+    RTCGeometry geometry(const std::vector<std::span<const Vec3>> &positions, const MeshTriangles &mesh, RTCBuildQuality quality);
     Index attach(RTCGeometry geometry, std::size_t times, const TrianglePairs *pairsOf);
     Index instance(RTCScene of, std::size_t times, const TrianglePairs *pairsOf);
 };
@@ -124,17 +124,24 @@ EmbreeScene::~EmbreeScene() {
     if (state_->device != nullptr) rtcReleaseDevice(state_->device);
 }
 
-RTCGeometry EmbreeScene::State::quads(const std::vector<std::span<const Vec3>> &positions, const MeshTriangles &mesh,
-                                      RTCBuildQuality quality) {
-    const TrianglePairs &made = *meshes.emplace_back(std::make_unique<TrianglePairs>(mesh.triangles, mesh.places));
-    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_QUAD);
+RTCGeometry EmbreeScene::State::geometry(const std::vector<std::span<const Vec3>> &positions, const MeshTriangles &mesh,
+                                         RTCBuildQuality quality) {
+    const bool asQuads = kRefitsQuads || quality != RTC_BUILD_QUALITY_REFIT;
+    const TrianglePairs *made = meshes.emplace_back(asQuads ? std::make_unique<TrianglePairs>(mesh.triangles, mesh.places) : nullptr).get();
+    RTCGeometry geometry = rtcNewGeometry(device, asQuads ? RTC_GEOMETRY_TYPE_QUAD : RTC_GEOMETRY_TYPE_TRIANGLE);
     rtcSetGeometryTimeStepCount(geometry, static_cast<unsigned>(positions.size()));
     for (std::size_t step = 0; step < positions.size(); ++step)
         rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, static_cast<unsigned>(step), RTC_FORMAT_FLOAT3, positions[step].data(),
                                    0, sizeof(Vec3), positions[step].size() - 1);
-    void *const corners = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4, sizeof(QuadCorners), made.size());
-    if (corners != nullptr) made.corners(mesh.triangles, {static_cast<QuadCorners *>(corners), made.size()});
-    rtcSetGeometryUserData(geometry, const_cast<TrianglePairs *>(&made)); // for filters, which read it alone
+    if (asQuads) {
+        void *const corners =
+            rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4, sizeof(QuadCorners), made->size());
+        if (corners != nullptr) made->corners(mesh.triangles, {static_cast<QuadCorners *>(corners), made->size()});
+        rtcSetGeometryUserData(geometry, const_cast<TrianglePairs *>(made)); // for filters, which read it alone
+    } else {
+        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.triangles.data(), 0, sizeof(Index3),
+                                   mesh.triangles.size());
+    }
     rtcSetGeometryBuildQuality(geometry, quality);
     rtcCommitGeometry(geometry);
     return geometry;
@@ -163,14 +170,14 @@ Index EmbreeScene::State::instance(RTCScene of, std::size_t times, const Triangl
 
 Index EmbreeScene::addTriangles(const std::vector<std::span<const Vec3>> &positions, const MeshTriangles &mesh) {
     const bool refits = state_->refits && positions.size() == 1;
-    RTCGeometry geometry = state_->quads(positions, mesh, refits ? RTC_BUILD_QUALITY_REFIT : RTC_BUILD_QUALITY_MEDIUM);
+    RTCGeometry geometry = state_->geometry(positions, mesh, refits ? RTC_BUILD_QUALITY_REFIT : RTC_BUILD_QUALITY_MEDIUM);
     return state_->attach(geometry, positions.size(), state_->meshes.back().get());
 }
 
 Index EmbreeScene::addInstance(std::span<const Vec3> positions, const MeshTriangles &mesh, std::span<const Affine> renderFromLocal) {
     RTCScene own = rtcNewScene(state_->device); // released with this
     state_->instanced.push_back(own);
-    RTCGeometry geometry = state_->quads({positions}, mesh, RTC_BUILD_QUALITY_MEDIUM);
+    RTCGeometry geometry = state_->geometry({positions}, mesh, RTC_BUILD_QUALITY_MEDIUM);
     rtcAttachGeometry(own, geometry);
     rtcReleaseGeometry(geometry);
     rtcCommitScene(own);
@@ -250,7 +257,7 @@ std::size_t EmbreeScene::bytes() const {
 
 std::size_t EmbreeScene::pairBytes() const {
     std::size_t bytes = 0;
-    for (const auto &mesh : state_->meshes) bytes += mesh->bytes();
+    for (const auto &mesh : state_->meshes) bytes += mesh ? mesh->bytes() : 0;
     return bytes;
 }
 

@@ -41,9 +41,9 @@ class EmbreeScene {
     EmbreeScene(const EmbreeScene &) = delete;
     EmbreeScene &operator=(const EmbreeScene &) = delete;
 
-    /// Adds a triangle mesh, which Embree gets as quads (triangle_pairs.h). The caller owns the positions and keeps them in place: at one
-    /// time, or at several equally spaced ones within the shutter; each array has one element more than is indexed (Embree reads 16 bytes
-    /// at each vertex). Returns its geometry number.
+    /// Adds a triangle mesh, which Embree gets as quads (triangle_pairs.h). The caller owns the buffers and keeps them in place: positions
+    /// at one time, or at several equally spaced ones within the shutter; each array has one element more than is indexed (Embree reads 16
+    /// bytes at each vertex). Returns its geometry number.
     Index addTriangles(const std::vector<std::span<const Vec3>> &positions, const MeshTriangles &mesh);
 
     /// Adds a mesh that moves as a whole: its own BVH is built here, once, around positions in a space of its own (one element more
