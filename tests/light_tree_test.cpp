@@ -61,6 +61,56 @@ TEST_CASE("Probabilities of all lights sum to one and are those of the choice", 
     }
 }
 
+TEST_CASE("Lights are chosen at many receivers at once as at each alone", "[lights][tree][lanes]") {
+    struct Case {
+        int lights, triangles;
+        bool everywhere;
+    };
+    for (const Case &c : {Case{300, 0, false}, Case{0, 400, false}, Case{200, 200, true}, Case{3000, 0, true}}) {
+        INFO(c.lights << " lights, " << c.triangles << " triangles, everywhere " << c.everywhere);
+        const Lit lit(manyLights(c.lights, c.triangles, c.everywhere));
+        const LightTable &table = lit.table();
+        REQUIRE(!table.few);
+        Uniform random(37);
+        std::size_t found = 0;
+        std::size_t inTree = 0;
+        std::size_t nowhere = 0;
+        for (int turn = 0; turn < 200; ++turn) {
+            const int count = 1 + turn % LightChoices::kSize;
+            LightChoices lanes;
+            for (int i = 0; i < count; ++i) {
+                const Vec3 corner = table.tree.nodes[static_cast<std::size_t>(turn) % table.tree.nodes.size()].lower; // of a box
+                const Vec3 point = i % 9 == 0 ? corner : randomPoint(random, i % 2 == 0 ? 3.0F : 30.0F);
+                lanes.add(receiverOf(point, random, i), i % 11 == 0 ? kOneMinusEpsilon : random.number());
+            }
+            for (const Instructions instructions : {Instructions::Sse2, Instructions::Avx2, Instructions::Avx512}) {
+                chooseByTree(table, lanes, instructions);
+                for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+                    const LightChoice alone = chooseLight(table, {lanes.position.at(i), lanes.normal.at(i)}, lanes.choose[i]);
+                    CHECK(lanes.chosen[i].entry == alone.entry);
+                    CHECK(lanes.chosen[i].triangle == alone.triangle);
+                    CHECK(lanes.chosen[i].probability == alone.probability);
+                    found += alone.entry != kNone ? 1 : 0;
+                    nowhere += alone.entry == kNone ? 1 : 0;
+                    inTree += alone.entry != kNone && table.entries[alone.entry].firstPart != kNone ? 1 : 0;
+                }
+            }
+        }
+        CHECK(found > 5000);
+        CHECK(inTree > 5000);
+        CHECK((found == inTree) != c.everywhere);
+        CHECK(nowhere > 100); // bounds of two lights together promise what neither keeps
+    }
+    Scene scene = emptyScene();
+    for (std::size_t i = 0; i <= kFewChoices; ++i) scene.lights.push_back({Vec3(1 + static_cast<float>(i)), DirectionalLight()});
+    const Lit lit(scene);
+    REQUIRE(lit.table().tree.nodes.empty());
+    LightChoices lanes;
+    for (int i = 0; i < 10; ++i) lanes.add({Vec3(0), Vec3(0)}, 0.1F * static_cast<float>(i));
+    chooseByTree(lit.table(), lanes);
+    for (std::size_t i = 0; i < 10; ++i) CHECK(lanes.chosen[i].entry == chooseLight(lit.table(), {Vec3(0)}, lanes.choose[i]).entry);
+}
+
 TEST_CASE("A light sample's density is that of meeting the same light", "[lights][tree][mis]") {
     for (const bool few : {false, true}) {
         const Lit lit(few ? manyLights(4, 6, true) : manyLights(200, 300, true));

@@ -306,9 +306,18 @@ void aim(HitLanes &l, const LaneMaterial &material, const LightTable &lights, in
     const int candidates = candidateCount(lights);
     std::size_t lanesOfSky[HitLanes::kSize];
     std::size_t count = 0;
+    const auto numbersOf = [&](std::size_t i) {
+        return candidateNumbers({l.lightU[i], l.lightV[i], lights.choices > 1 ? l.lightChoice[i] : 0.0F}, candidate, candidates);
+    };
+    const auto receiver = [&](std::size_t i) { return receiverAt(l.position.at(i), l.geometricNormal.at(i), material.bsdf); };
+    if (!lights.few) {
+        l.lights.count = 0;
+        for (std::size_t i = 0; i < static_cast<std::size_t>(l.padded()); ++i) l.lights.add(receiver(i), numbersOf(i).z);
+        chooseByTree(lights, l.lights);
+    }
     for (std::size_t i = 0; i < static_cast<std::size_t>(l.padded()); ++i) {
-        const Vec3 u = candidateNumbers({l.lightU[i], l.lightV[i], lights.choices > 1 ? l.lightChoice[i] : 0.0F}, candidate, candidates);
-        const LightChoice choice = chooseLight(lights, receiverAt(l.position.at(i), l.geometricNormal.at(i), material.bsdf), u.z);
+        const Vec3 u = numbersOf(i);
+        const LightChoice choice = lights.few ? chooseLight(lights, receiver(i), u.z) : l.lights.chosen[i];
         l.lightEntry[i] = choice.entry;
         if (choice.entry != kNone && choice.entry == lights.environmentEntry) {
             l.sky.u[count] = u.x;

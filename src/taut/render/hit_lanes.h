@@ -93,7 +93,8 @@ struct alignas(64) HitLanes {
     Vectors lightDirection, lightRadiance;
     float lightPdf[kSize], lightWeighted[kSize], lightDistance[kSize];
     Index lightEntry[kSize];
-    EnvironmentLanes sky;              ///< those that go there
+    EnvironmentLanes sky; ///< those that go there
+    LightChoices lights;
     CandidateChoice candidates[kSize]; ///< where lights are several: what keep() keeps
     Vectors keptDirection, keptContribution, keptOrigin;
     float keptDistance[kSize];

@@ -1,5 +1,7 @@
 #include "taut/render/lights.h"
 
+#include <array>
+
 namespace taut {
 
 namespace {
@@ -41,20 +43,26 @@ struct Choices {
     }
 };
 
-/// Calls `weigh(part, importance)` for all choices, until it returns true.
-template <class Weigh> void eachOfFew(const LightTable &table, const Receiver &at, const Weigh &weigh) {
+/// Calls `weigh(part)` for all choices, until it returns true.
+template <class Weigh> void eachOfFew(const LightTable &table, const Weigh &weigh) {
     for (Index entry = 0; entry < table.entries.size(); ++entry) {
         const Index triangles = partCount(table.entries[entry]);
         for (Index triangle = 0; triangle < triangles; ++triangle)
-            if (weigh(LightPart{entry, triangle}, importance(table, {entry, triangle}, at))) return;
+            if (weigh(LightPart{entry, triangle})) return;
     }
 }
 
-Choices choicesAt(const LightTable &table, const Receiver &at) {
+/// Importances of few choices, in the order of eachOfFew().
+using FewImportances = std::array<float, kFewChoices>;
+
+Choices choicesAt(const LightTable &table, const Receiver &at, FewImportances *few = nullptr) {
     Choices choices;
     if (table.few) {
-        eachOfFew(table, at, [&](const LightPart &, float own) {
+        std::size_t count = 0;
+        eachOfFew(table, [&](const LightPart &part) {
+            const float own = importance(table, part, at);
             choices.add(own);
+            if (few != nullptr) (*few)[count++] = own;
             return false;
         });
         return choices;
@@ -122,15 +130,13 @@ float probabilityAmong(const LightTable &table, const LightPart &part, const Rec
     return below * probabilityOf(inTree ? choices.tree : importance(table, part, at), choices.total, choices.count);
 }
 
-LightChoice chooseAmong(const LightTable &table, const Receiver &at, float choose) {
-    const auto fromTree = [&](float number, float probability) -> LightChoice {
-        const LeafChoice leaf = chooseLeaf(table.tree, at, number);
-        if (leaf.light == kNone) return {};
-        const LightPart &part = table.parts[leaf.light];
-        return {part.entry, part.triangle, probability * leaf.probability};
-    };
-    if (!table.few && table.everywhere.empty()) return fromTree(choose, 1);
-    const Choices choices = choicesAt(table, at);
+namespace {
+
+/// `descend(number, probability)`: the choice goes on in the tree, which is chosen with that probability.
+template <class Descend> LightChoice chooseThen(const LightTable &table, const Receiver &at, float choose, const Descend &descend) {
+    if (!table.few && table.everywhere.empty()) return descend(choose, 1.0F);
+    FewImportances few;
+    const Choices choices = choicesAt(table, at, &few);
     LightChoice chosen;
     float below = 0;
     // The last takes what rounding leaves over.
@@ -143,14 +149,47 @@ LightChoice chooseAmong(const LightTable &table, const Receiver &at, float choos
         return false;
     };
     if (table.few) {
-        eachOfFew(table, at, weigh);
+        std::size_t count = 0;
+        eachOfFew(table, [&](const LightPart &part) { return weigh(part, few[count++]); });
         return chosen;
     }
     for (const Index entry : table.everywhere)
         if (weigh({entry, 0}, importance(table, {entry, 0}, at))) return chosen;
     if (!(choices.tree > 0)) return chosen;
     const float probability = probabilityOf(choices.tree, choices.total, choices.count);
-    return fromTree(std::clamp((choose - below) / probability, 0.0F, kOneMinusEpsilon), probability);
+    return descend(std::clamp((choose - below) / probability, 0.0F, kOneMinusEpsilon), probability);
+}
+
+LightChoice choiceOf(const LightTable &table, const LeafChoice &leaf, float probability) {
+    if (leaf.light == kNone) return {};
+    const LightPart &part = table.parts[leaf.light];
+    return {part.entry, part.triangle, probability * leaf.probability};
+}
+
+} // namespace
+
+LightChoice chooseAmong(const LightTable &table, const Receiver &at, float choose) {
+    return chooseThen(table, at, choose,
+                      [&](float number, float probability) { return choiceOf(table, chooseLeaf(table.tree, at, number), probability); });
+}
+
+void chooseByTree(const LightTable &table, LightChoices &lanes, Instructions instructions) {
+    LeafChoices descents;
+    std::size_t owner[LeafChoices::kSize];
+    for (std::size_t i = 0; i < static_cast<std::size_t>(lanes.count); ++i) {
+        const Receiver at{lanes.position.at(i), lanes.normal.at(i)};
+        lanes.chosen[i] = chooseThen(table, at, lanes.choose[i], [&](float number, float probability) {
+            owner[descents.count] = i;
+            descents.add(at, number);
+            return LightChoice{kNone, 0, probability};
+        });
+    }
+    if (descents.count == 0) return;
+    chooseLeaves(table.tree, descents, instructions);
+    for (std::size_t k = 0; k < static_cast<std::size_t>(descents.count); ++k) {
+        LightChoice &chosen = lanes.chosen[owner[k]];
+        chosen = choiceOf(table, descents.chosen[k], chosen.probability);
+    }
 }
 
 } // namespace taut

@@ -180,13 +180,8 @@ struct Builder {
     }
 };
 
-/// Share of the first child in the choice between a node's children; negative where nothing arrives from either.
 float firstShare(const LightTree &tree, const LightNode &node, const Receiver &at) {
-    const float a = importance(tree.nodes[node.link], at);
-    const float b = importance(tree.nodes[node.link + 1], at);
-    const float total = a + b;
-    if (!(total > 0)) return -1;
-    return std::isfinite(total) ? a / total : 0.5F;
+    return firstShare(LightBox(tree.nodes[node.link]), LightBox(tree.nodes[node.link + 1]), at);
 }
 
 } // namespace

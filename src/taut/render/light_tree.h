@@ -4,6 +4,8 @@
 /// the cosines as in Pharr, Jakob and Humphreys 2023, "Physically Based Rendering", section 12.6.3. It knows bounds of lights alone, not
 /// lights.
 
+#include "taut/base/instructions.h"
+#include "taut/base/lanes.h"
 #include "taut/scene/lights/light.h"
 
 #include <limits>
@@ -40,30 +42,57 @@ struct LightTree {
 /// Builds a tree over lights. Those without power, or not finite, are left out. O(n log n); the same for any number of threads.
 LightTree buildLightTree(std::span<const LightBounds> lights);
 
-/// Light that what is below a node could cause at a receiver, up to a factor that all share. Zero only where nothing can arrive.
-[[gnu::always_inline]] inline float importance(const LightNode &node, const Receiver &at) {
+/// What the choice knows of a node: its numbers as they are reckoned with.
+struct LightBox {
+    Vec3 lower, upper;
+    Vec3 axis; ///< times 32767, as the cosines
+    float power, cosSpread, cosReach;
+    bool twoSided;
+
+    LightBox() = default;
+    explicit LightBox(const LightNode &node)
+        : lower(node.lower), upper(node.upper), axis(node.axis[0], node.axis[1], node.axis[2]), power(node.power),
+          cosSpread(node.cosSpread), cosReach(node.cosReach), twoSided((node.flags & LightNode::kTwoSided) != 0) {}
+};
+
+/// Light that what is below a node could cause at a receiver, up to a factor that all share. Zero only where nothing can arrive. Without
+/// branches, for loops over many.
+[[gnu::always_inline]] inline float importance(const LightBox &box, const Receiver &at) {
     constexpr float kUnit = 1.0F / 32767;
-    const Vec3 centre = 0.5F * (node.lower + node.upper);
-    const Vec3 half = node.upper - centre;
+    const Vec3 centre = 0.5F * (box.lower + box.upper);
+    const Vec3 half = box.upper - centre;
     const Vec3 away = at.position - centre;
     const float distance2 = glm::dot(away, away);
     const float radius2 = glm::dot(half, half);
-    if (distance2 <= radius2) return node.power / std::max(radius2, 1e-20F) * received(at, -away, 0, half, 0, -1);
+    const bool inside = distance2 <= radius2;
     const float inverse2 = 1 / std::max(distance2, 1e-20F);
     const float inverse = std::sqrt(inverse2);
     // What rounding the axis does to its length and direction is in the spread.
-    const float cosAxis = glm::dot(Vec3(node.axis[0], node.axis[1], node.axis[2]), away) * (kUnit * inverse);
-    const float cosW = std::clamp((node.flags & LightNode::kTwoSided) != 0 ? std::fabs(cosAxis) : cosAxis, -1.0F, 1.0F);
-    const float cosSpread = node.cosSpread * kUnit;
+    const float cosAxis = glm::dot(box.axis, away) * (kUnit * inverse);
+    const float cosW = std::clamp(box.twoSided ? std::fabs(cosAxis) : cosAxis, -1.0F, 1.0F);
+    const float cosSpread = box.cosSpread * kUnit;
     // The angle between light and axis, less the spread, less the angle under which the box is seen; none of them below zero.
-    const bool within = cosW >= cosSpread;
-    const float cosX = within ? 1.0F : cosW * cosSpread + std::sqrt((1 - cosW * cosW) * (1 - cosSpread * cosSpread));
+    const float sines = std::sqrt((1 - cosW * cosW) * (1 - cosSpread * cosSpread));
+    const float cosX = cosW >= cosSpread ? 1.0F : cosW * cosSpread + sines;
     const float sin2Box = radius2 * inverse2;
     const float cosBox = std::sqrt(std::max(1 - sin2Box, 0.0F));
     const float sinXBox = std::sqrt(std::max(1 - cosX * cosX, 0.0F) * sin2Box);
     const float cosine = cosX >= cosBox ? 1.0F : cosX * cosBox + sinXBox;
-    if (!(cosine > node.cosReach * kUnit)) return 0;
-    return node.power * std::max(cosine, 0.0F) * inverse2 * received(at, -away, inverse, half, sin2Box, cosBox);
+    const float lit = received(at, -away, inside ? 0.0F : inverse, half, inside ? 0.0F : sin2Box, inside ? -1.0F : cosBox);
+    const float within = box.power / std::max(radius2, 1e-20F) * lit;
+    const float beyond = box.power * std::max(cosine, 0.0F) * inverse2 * lit;
+    return inside ? within : cosine > box.cosReach * kUnit ? beyond : 0.0F;
+}
+[[gnu::always_inline]] inline float importance(const LightNode &node, const Receiver &at) {
+    return importance(LightBox(node), at);
+}
+
+/// Share of the first child in the choice between two; negative where nothing arrives from either.
+[[gnu::always_inline]] inline float firstShare(const LightBox &first, const LightBox &second, const Receiver &at) {
+    const float a = importance(first, at);
+    const float total = a + importance(second, at);
+    const float share = total < kInfinity ? a / total : 0.5F;
+    return total > 0 ? share : -1.0F;
 }
 
 /// received() of a node's box.
@@ -89,6 +118,26 @@ struct LeafChoice {
 };
 /// `choose` uniform in [0, 1).
 LeafChoice chooseLeaf(const LightTree &tree, const Receiver &at, float choose);
+/// Choices of many receivers at once.
+template <class Choice> struct alignas(64) ChoiceLanes {
+    static constexpr int kSize = 64;
+    int count = 0;
+    Lanes3<kSize> position, normal; ///< Receiver
+    float choose[kSize];
+    Choice chosen[kSize];
+
+    void add(const Receiver &at, float number) {
+        const auto i = static_cast<std::size_t>(count++);
+        position.set(i, at.position);
+        normal.set(i, at.normal);
+        choose[i] = number;
+    }
+};
+
+/// chooseLeaf() of all: the same bits.
+using LeafChoices = ChoiceLanes<LeafChoice>;
+void chooseLeaves(const LightTree &tree, LeafChoices &choices, Instructions instructions = widest());
+
 /// Probability with which chooseLeaf() returns a light at a receiver: its way down from the root.
 float leafProbability(const LightTree &tree, Index light, const Receiver &at);
 

@@ -106,6 +106,10 @@ inline LightChoice chooseLight(const LightTable &table, const Receiver &at, floa
     return table.entries.empty() ? LightChoice{} : chooseAmong(table, at, choose);
 }
 
+/// chooseLight() for many receivers at once where a tree chooses (not `few`): the same bits.
+using LightChoices = ChoiceLanes<LightChoice>;
+void chooseByTree(const LightTable &table, LightChoices &lanes, Instructions instructions = widest());
+
 // --- samples: light_sampling.cpp -------------------------------------------------------------------------------------
 
 /// A light sample from `point` at a time in the shutter, the choice in its density; pdf 0 where the light sends nothing there. `number`

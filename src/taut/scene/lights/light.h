@@ -45,13 +45,16 @@ inline constexpr float kHorizonCosine = 0.05F;
 /// What light of a box counts for at a receiver, to choose by: the greatest cosine that it may come at, at least kHorizonCosine; 0 where
 /// all of the box is below the horizon. Its centre lies `towards` there and it reaches `half` further; it is seen within an angle whose
 /// cosine is `cosBox` and whose squared sine is `sin2Box` (Pharr, Jakob and Humphreys 2023, section 12.6.3).
-inline float received(const Receiver &at, const Vec3 &towards, float inverseDistance, const Vec3 &half, float sin2Box, float cosBox) {
-    if (at.normal == Vec3(0)) return 1;
+[[gnu::always_inline]] inline float received(const Receiver &at, const Vec3 &towards, float inverseDistance, const Vec3 &half,
+                                             float sin2Box, float cosBox) {
+    const bool everywhere = (at.normal.x == 0) & (at.normal.y == 0) & (at.normal.z == 0);
     const float height = glm::dot(at.normal, towards);
-    if (height + glm::dot(glm::abs(at.normal), half) < 0) return 0;
+    const bool below = height + glm::dot(glm::abs(at.normal), half) < 0;
     const float cosine = std::clamp(height * inverseDistance, -1.0F, 1.0F);
-    const float most = cosine >= cosBox ? 1.0F : cosine * cosBox + std::sqrt((1 - cosine * cosine) * sin2Box);
-    return std::max(most, kHorizonCosine);
+    const float sines = std::sqrt((1 - cosine * cosine) * sin2Box);
+    const float most = cosine >= cosBox ? 1.0F : cosine * cosBox + sines;
+    const float lit = below ? 0.0F : std::max(most, kHorizonCosine);
+    return everywhere ? 1.0F : lit;
 }
 
 /// Where a ray meets a light that is no geometry; at infinity where it does not.
