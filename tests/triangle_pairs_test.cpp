@@ -1,6 +1,7 @@
 /// Triangles as Embree's quads: every one once, and hits told as a brute-force search in double tells them.
 
 #include "catch.h"
+#include "render_fixtures.h"
 
 #include "taut/render/embree_scene.h"
 #include "taut/render/triangle_pairs.h"
@@ -10,6 +11,7 @@
 #include <set>
 
 using namespace taut;
+using namespace taut::test;
 
 namespace {
 
@@ -278,4 +280,21 @@ TEST_CASE("Triangle pairs: one of two may be absent", "[triangle-pairs]") {
         if (truth.triangle != kNone) CHECK(hits[i].primitive == truth.triangle);
         CHECK((blocked[i] != 0) == (truth.triangle != kNone));
     }
+}
+
+TEST_CASE("Triangle pairs: a frame is the same alone, refitted and rebuilt", "[triangle-pairs][determinism]") {
+    const Scene scene = smallScene(shearedTorus(40, 20), ggxMaterial(0.1F, 0.4F), 64);
+    const auto picture = [&](bool animated, BvhKind bvh) {
+        ScenePlan plan = defaultPlan(scene);
+        plan.bvh = bvh;
+        RenderScene ready(scene, std::move(plan), animated);
+        if (animated) ready.setFrame(1);
+        ready.setFrame(3);
+        FrameOptions options;
+        options.spp = 8;
+        return renderFrame(ready, options).film.resolve();
+    };
+    const std::vector<float> alone = picture(false, BvhKind::Rebuild);
+    CHECK(picture(true, BvhKind::Rebuild) == alone);
+    CHECK(picture(true, BvhKind::Refit) == alone);
 }

@@ -87,7 +87,7 @@ inline void tracePacket(RTCScene scene, const int *valid, RTCRayHit16 &packet, b
 #endif
 
 /// Embree 4.3 leaves some quads where they were when it refits them (found by a test: one ray in six met a sheet that had moved away);
-/// there what refits stays triangles.
+/// there what may be refitted stays triangles.
 inline constexpr bool kRefitsQuads = TAUT_EMBREE == 3;
 
 /// Shadow rays that are traced together.

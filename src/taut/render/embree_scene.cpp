@@ -126,7 +126,8 @@ EmbreeScene::~EmbreeScene() {
 
 RTCGeometry EmbreeScene::State::geometry(const std::vector<std::span<const Vec3>> &positions, const MeshTriangles &mesh,
                                          RTCBuildQuality quality) {
-    const bool asQuads = kRefitsQuads || quality != RTC_BUILD_QUALITY_REFIT;
+    const bool mayBeRefitted = quality == RTC_BUILD_QUALITY_REFIT || (mesh.deforms && positions.size() == 1);
+    const bool asQuads = kRefitsQuads || !mayBeRefitted;
     const TrianglePairs *made = meshes.emplace_back(asQuads ? std::make_unique<TrianglePairs>(mesh.triangles, mesh.places) : nullptr).get();
     RTCGeometry geometry = rtcNewGeometry(device, asQuads ? RTC_GEOMETRY_TYPE_QUAD : RTC_GEOMETRY_TYPE_TRIANGLE);
     rtcSetGeometryTimeStepCount(geometry, static_cast<unsigned>(positions.size()));

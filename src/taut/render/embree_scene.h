@@ -28,8 +28,10 @@ std::string_view embreeVersion();
 
 struct MeshTriangles {
     std::span<const Index3> triangles;
-    std::span<const Index> places =
-        {}; ///< [vertices] those with the same number are at one place in every frame, to rounding; empty: none are known
+    /// [vertices] those with the same number are at one place in every frame, to rounding; empty: none are known
+    std::span<const Index> places = {};
+    /// Whether a scene that refits would refit it. Hits have the same bits where none does: with Embree 4 neither has quads then.
+    bool deforms = false;
 };
 
 class EmbreeScene {

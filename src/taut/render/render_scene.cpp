@@ -202,8 +202,9 @@ void RenderScene::setFrame(double frame, StageTimes &times) {
         if (!committed_) {
             std::vector<std::span<const Vec3>> steps;
             for (const SurfaceStep &step : object.steps) steps.emplace_back(step.positions);
-            object.geometry =
-                object.instanced ? addInstance(object) : embree_->addTriangles(steps, {object.surface.triangles, placesOf(object.surface)});
+            object.geometry = object.instanced
+                                  ? addInstance(object)
+                                  : embree_->addTriangles(steps, {object.surface.triangles, placesOf(object.surface), !object.rigid});
             owners_.resize(std::max<std::size_t>(owners_.size(), object.geometry + 1), kNone);
             owners_[object.geometry] = i;
             if (!object.rigid && refits_) object.bvh.built(object.surface.triangles, positions);
