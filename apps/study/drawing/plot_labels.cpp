@@ -14,12 +14,6 @@ struct Box {
     }
 };
 
-/// Characters of UTF-8.
-std::size_t lengthOf(const std::string &text) {
-    return static_cast<std::size_t>(
-        std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
-}
-
 const std::string &textOf(const Point &p) {
     return p.note.empty() ? p.label : p.note;
 }
@@ -30,6 +24,11 @@ constexpr double kCharacter = 6.8; ///< of an 11 pixel font, wide ones
 constexpr double kHalfHeight = 7;
 
 } // namespace
+
+std::size_t lengthOf(const std::string &text) {
+    return static_cast<std::size_t>(
+        std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
+}
 
 std::vector<PlotLabel> placeLabels(const Panel &panel, const std::vector<std::size_t> &front, const PlotArea &area, const PlotScale &x,
                                    const PlotScale &y) {

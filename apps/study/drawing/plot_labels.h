@@ -18,6 +18,9 @@ struct PlotLabel {
     double x, y;
 };
 
+/// Characters of UTF-8.
+std::size_t lengthOf(const std::string &text);
+
 /// Labels of points, those on the front and the defaults first.
 std::vector<PlotLabel> placeLabels(const Panel &panel, const std::vector<std::size_t> &front, const PlotArea &area, const PlotScale &x,
                                    const PlotScale &y);

@@ -76,6 +76,8 @@ std::vector<std::string> seriesOf(const Panel &panel) {
     return series;
 }
 
+constexpr int kKeyLeft = 658; ///< of the key beside a plot, pixels
+
 /// What a panel looks like in one shape.
 struct Shape {
     int width, height;
@@ -83,8 +85,13 @@ struct Shape {
     bool titled, keyBelow;
 };
 
-Shape wideShape(bool titled) {
-    return {960, 500, {960, 500, 0.095, 0.665, 0.13, titled ? 0.91 : 0.97}, titled, false};
+/// The key beside the plot has room for its longest name.
+Shape wideShape(bool titled, const std::vector<std::string> &series) {
+    constexpr int kCharacter = 8, kMark = 45; // pixels
+    std::size_t longest = 0;
+    for (const std::string &name : series) longest = std::max(longest, lengthOf(name));
+    const int width = std::max(960, kKeyLeft + kMark + kCharacter * static_cast<int>(longest));
+    return {width, 500, {double(width), 500, 91.0 / width, 638.0 / width, 0.13, titled ? 0.91 : 0.97}, titled, false};
 }
 Shape narrowShape(std::size_t keyLines) {
     const int key = 19 * static_cast<int>(keyLines) + 24;
@@ -100,9 +107,10 @@ std::string panelScript(const Panel &panel, const Shape &shape, Format format, c
     if (shape.titled) text += "set title " + literal(panel.title) + "\n";
     text += axisText('x', x) + axisText('y', y) + axisNames(panel.x, panel.y, shape.area, 42, 14);
     text += "set grid lc rgb '#dddddd' lw 0.7\nset border 3 lc rgb '#444444'\n";
-    text += shape.keyBelow ? "set key at screen 0.03," + number(shape.area.bottom - 58.0 / shape.height) +
-                                 " left top Left reverse samplen 1 spacing 1.1\n"
-                           : std::string("set key at screen 0.685,0.965 left top Left reverse samplen 1 spacing 1.25\n");
+    text +=
+        shape.keyBelow
+            ? "set key at screen 0.03," + number(shape.area.bottom - 58.0 / shape.height) + " left top Left reverse samplen 1 spacing 1.1\n"
+            : "set key at screen " + number(double(kKeyLeft) / shape.width) + ",0.965 left top Left reverse samplen 1 spacing 1.25\n";
     const std::vector<PlotLabel> labels = panel.labelled ? placeLabels(panel, front, shape.area, x, y) : std::vector<PlotLabel>();
     for (const PlotLabel &label : labels)
         text += "set label " + literal(label.text) + " at screen " + number(label.x) + "," + number(label.y) + " center front font '," +
@@ -258,9 +266,10 @@ Drawing drawPanel(const Chart &chart, const Panel &panel, const std::filesystem:
     const PlotScale y(panel.y, ys);
     const auto wideFile = fileOf(directory, chart, panel.name, "wide.svg");
     const auto narrowFile = fileOf(directory, chart, panel.name, "narrow.svg");
-    const Shape titled = wideShape(true);
-    const Shape wide = wideShape(false);
-    const Shape narrow = narrowShape(seriesOf(panel).size() + 2);
+    const std::vector<std::string> series = seriesOf(panel);
+    const Shape titled = wideShape(true, series);
+    const Shape wide = wideShape(false, series);
+    const Shape narrow = narrowShape(series.size() + 2);
     std::string script;
     const auto draw = [&](const Shape &shape, Format format, const std::filesystem::path &output) {
         script += terminal(format, shape.width, shape.height, output) + panelScript(panel, shape, format, x, y);
