@@ -107,6 +107,35 @@ TEST_CASE("Textures, compensation and glTF's material at once give the picture o
     checkPictures(cases);
 }
 
+TEST_CASE("A stored M at once gives the picture of one by one", "[render][lanes][stored]") {
+    const auto stored = [](const Material &material) {
+        Scene s = textured(material);
+        storeGloss(s);
+        return s;
+    };
+    Material walked = plain(BsdfType::Conductor, 0.5F, 0.5F, 0);
+    walked.multiscatter = Multiscatter::Walk;
+    Material coated = plain(BsdfType::MetallicRoughness, 0.5F, 0.5F, 0);
+    coated.clearcoat.value = 0.7F;
+    coated.multiscatter = Multiscatter::Auto;
+    coated.color.texture = coated.metallic.texture = 0;
+    Scene leaning = stored(plain(BsdfType::Conductor, 0.3F, 0.5F, 0));
+    for (Object &object : leaning.objects) object.lean = true;
+    const std::vector<LaneCase> cases{{"diffuse", stored(plain(BsdfType::Diffuse, 1, 1, 0))},
+                                      {"Schlick", stored(plain(BsdfType::Conductor, 0.2F, 0.6F, 0.4F))},
+                                      {"glass", stored(plain(BsdfType::Dielectric, 0.3F, 0.3F, 0))},
+                                      {"walked", stored(walked)},
+                                      {"coated, textured", stored(coated)},
+                                      {"beside one that leans", leaning}};
+    checkPictures(cases);
+    // And it is what is seen.
+    Scene without = cases[1].scene;
+    Mesh mesh = *without.objects[0].mesh;
+    mesh.storedM.clear();
+    without.objects[0].mesh = std::make_shared<const Mesh>(std::move(mesh));
+    CHECK(imageOf(without, false, true, 8) != imageOf(cases[1].scene, false, true, 8));
+}
+
 TEST_CASE("Singular values out of range are clamped at once as one by one", "[render][lanes]") {
     // Squeezed to a thousandth of a millionth: the distribution along y is wider than any range.
     Scene s = laneScene(plain(BsdfType::Conductor, 0.3F, 0.5F, 0.7F));

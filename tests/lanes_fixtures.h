@@ -71,6 +71,22 @@ inline Scene textured(const Material &material) {
     return s;
 }
 
+/// Gives the torus of a scene an M of its own, another at each vertex, and puts the torus as it was beside it: their hits share lanes.
+inline void storeGloss(Scene &s) {
+    Object without = s.objects[0];
+    without.placement.translation = Keyed<DVec3>(DVec3(0.5, 0.3, 0.2));
+    Mesh mesh = *s.objects[0].mesh;
+    mesh.cornerTangents = mesh.cornerPositions;
+    mesh.tangents.clear();
+    for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+        const Vec3 &p = mesh.positions[i];
+        mesh.tangents.emplace_back(glm::normalize(Vec3(-p.y, p.x, 0)), 1.0F);
+        mesh.storedM.emplace_back(2 + static_cast<float>(i % 7), 0.5F * static_cast<float>(i % 3), 3 + static_cast<float>(i % 5));
+    }
+    s.objects[0].mesh = std::make_shared<const Mesh>(std::move(mesh));
+    s.objects.push_back(std::move(without));
+}
+
 inline Material plain(BsdfType type, float alphaX, float alphaY, float rotation) {
     Material m = ggxMaterial(alphaX, alphaY, rotation);
     m.type = type;

@@ -100,6 +100,10 @@ TEST_CASE("Mapped facets at once give the picture of one by one", "[render][lane
         s.objects[0].deformers.clear();
         s.objects[0].placement.rotation.keys = {{1, DVec3(0)}, {3, DVec3(0.2, 0.1, 0.5)}};
     });
+    add(cases, "beside a mesh with a stored M", plain(BsdfType::Conductor, 0.08F, 0.4F, 0.5F), [&](Scene &s, Material &m) {
+        mapped(s, m);
+        storeGloss(s);
+    });
     add(cases, "rough metal, of which some lanes walk", plain(BsdfType::Metal, 0.8F, 0.8F, 0), [&](Scene &s, Material &m) {
         mapped(s, m);
         m.multiscatter = Multiscatter::Auto;
@@ -188,6 +192,10 @@ TEST_CASE("Coats and numbers of KHR_materials_specular at once give the picture 
     add(cases, "a coat over mapped facets", coated(1, 0.2F), mapped);
     add(cases, "a mapped coat over what is not", coated(1, 0.3F), [](Scene &, Material &m) {
         m.coatSlopes = {SlopeMap::Kind::Normal, kNormals, 2};
+    });
+    add(cases, "a mapped coat beside a mesh with a stored M", coated(1, 0.3F), [](Scene &s, Material &m) {
+        m.coatSlopes = {SlopeMap::Kind::Normal, kNormals, 1};
+        storeGloss(s);
     });
     add(cases, "a coat of its own map, from afar", coated(1, 0.3F), [&](Scene &s, Material &m) {
         mapped(s, m);

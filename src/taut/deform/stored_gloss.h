@@ -40,4 +40,9 @@ inline StoredColumns storedColumns(const Mesh &mesh, const Surface &surface, std
     return {s * (m.x * scale), (s * m.y + t * m.z) * scale};
 }
 
+/// M of a hit, where `root` is ss, st, tt of sqrt(M M^T) in the shading frame.
+inline MicroTransform storedTransform(const Vec3 &root) {
+    return microTransform(root.x, root.y, root.y, root.z);
+}
+
 } // namespace taut

@@ -24,7 +24,8 @@ bool PathTracer::State::waits(int event, std::size_t i) {
     if (laneObjects[owner] == LaneObject::Alone) return false;
     const RenderObject &object = scene.objects()[owner];
     const Index material = materialOfTriangle(object, hit.primitive);
-    if (!laneMaterials[material].inLanes) return false;
+    const LaneMaterial &lane = laneMaterials[material];
+    if (!lane.inLanes || (laneObjects[owner] == LaneObject::Stored && (lane.mapped || lane.coatMapped))) return false;
     if (event >= settings.maxEvents && (event == 0 || mayEmit(object, hit.primitive))) return false;
     if (event == 0) paths[active[i]].alpha = 1;
     if (event >= settings.maxEvents) return true; // nothing is left to do
@@ -72,9 +73,11 @@ template <bool kStill> void PathTracer::State::gatherSurface(std::size_t lane, s
         l.leans |= object.object->lean;
         l.otherStretch[lane] = d.stretch;
         l.otherTangent[lane] = d.tangent;
-        l.otherLean[lane] = d.lean;
-        l.followsPoisson[lane] = object.object->lean ? 0 : 1;
+        const bool stored = !object.storedPoisson.empty();
+        l.otherLean[lane] = stored ? Vec2(0) : d.lean;
+        l.followsPoisson[lane] = object.object->lean || stored ? 0 : 1;
         l.strain[lane] = d.strain;
+        l.stored[lane] = stored ? 1 : 0;
     }
 }
 

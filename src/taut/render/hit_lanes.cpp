@@ -1,6 +1,7 @@
 #include "taut/render/hit_lanes.h"
 
 #include "taut/base/sobol.h"
+#include "taut/deform/stored_gloss.h"
 #include "taut/render/lane_kinds.h"
 #include "taut/scene/material_gloss.h"
 
@@ -167,6 +168,7 @@ LaneMaterial laneMaterial(const PreparedMaterial &prepared) {
     lane.scattersAlone = !info.lanes || (info.reads(kMetallicKey) && goesAlone(m));
     lane.layered = info.reads(kMetallicKey) && (m.clearcoat.value > 0 || m.specular.texture != kNone || m.specularColor.texture != kNone);
     lane.mapped = m.slopes.isGiven();
+    lane.coatMapped = m.coatSlopes.isGiven();
     lane.varies = lane.scattersAlone || lane.mapped || lane.layered || m.vertexColors || m.color.texture != kNone ||
                   m.metallic.texture != kNone || m.alphaX.texture != kNone || m.alphaY.texture != kNone || m.rotation.texture != kNone ||
                   m.anisotropyTexture != kNone;
@@ -183,13 +185,9 @@ LaneMaterial laneMaterial(const PreparedMaterial &prepared) {
     return lane;
 }
 
-bool inLanes(const RenderObject &object) {
-    return object.storedPoisson.empty();
-}
-
 bool isPlain(const RenderObject &object) {
     const bool stretchAsItIs = object.stretchOnFaces() || object.plan.interpolation == GradientInterpolation::Stretch;
-    return !object.object->lean && !object.roughens && stretchAsItIs;
+    return !object.object->lean && !object.roughens && object.storedPoisson.empty() && stretchAsItIs;
 }
 
 namespace lanes {
@@ -246,10 +244,13 @@ void setDeformations(HitLanes &l) {
 
 void setMicrosurface(HitLanes &lanes, Instructions instructions) {
     onInstructions(instructions, [&](auto loops) { decltype(loops)::micro(lanes); });
-    for (int i = 0; i < lanes.padded(); ++i) {
-        if (lanes.inRange[i] != 0) continue;
-        const BasicBlock<double> block = blockOf(lanes, static_cast<std::size_t>(i));
-        setMicro(lanes, static_cast<std::size_t>(i), microTransform(block.a, block.b, block.c, block.d));
+    for (std::size_t i = 0; i < static_cast<std::size_t>(lanes.padded()); ++i) {
+        if (lanes.hasOthers && lanes.other[i] != 0 && lanes.stored[i] != 0) {
+            setMicro(lanes, i, storedTransform(lanes.stretch.at(i)));
+        } else if (lanes.inRange[i] == 0) {
+            const BasicBlock<double> block = blockOf(lanes, i);
+            setMicro(lanes, i, microTransform(block.a, block.b, block.c, block.d));
+        }
     }
 }
 

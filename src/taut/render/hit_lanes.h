@@ -3,8 +3,8 @@
 /// (base/instructions.h). The formulas are those of hits one by one, by the same functions, and no compiler may fuse or reorder their
 /// sums (-ffp-contract=off, no fast math): the bits are the same, to which a test holds whole pictures.
 ///
-/// laneMaterial() says which materials go this way, inLanes() on which meshes. All others go one by one (shading.h). Lanes that are
-/// `scattersAlone` are seen at once and scatter one by one (shade_hit.cpp).
+/// laneMaterial() says which materials go this way. All others go one by one (shading.h), as do mapped ones on meshes with a stored M.
+/// Lanes that are `scattersAlone` are seen at once and scatter one by one (shade_hit.cpp).
 ///
 /// The order of a batch: gather (gather.cpp), view(), aim(), connect(), scatter().
 
@@ -40,6 +40,7 @@ struct alignas(64) HitLanes {
     Vec3 otherStretch[kSize];
     Vec2 otherTangent[kSize], otherLean[kSize];
     int followsPoisson[kSize]; ///< 0: lambda is in V already
+    int stored[kSize];         ///< 1: of a mesh with a stored M, and otherStretch is sqrt(M M^T)
     float strain[kSize];
     Vectors wo;    ///< render space
     Vectors color; ///< the material's values there, textures looked up
@@ -131,6 +132,7 @@ struct LaneMaterial {
     bool varies = false;        ///< from hit to hit: by textures or colours of the mesh
     bool scattersAlone = false; ///< its lanes scatter one by one from what was gathered
     bool mapped = false;        ///< a map tilts its facets
+    bool coatMapped = false;    ///< those of its coat
     bool layered = false;       ///< has a coat, or numbers of KHR_materials_specular that vary
     const PreparedMaterial *prepared = nullptr;
     Bsdf bsdf;             ///< its kind, seen from the outside; without an M
@@ -138,8 +140,7 @@ struct LaneMaterial {
     RestRoughness rest{1, 1, 0};
 };
 LaneMaterial laneMaterial(const PreparedMaterial &prepared);
-/// Whether hits on a mesh may be shaded at once; and whether V is interpolated as it is, and nothing else is asked of the deformation.
-bool inLanes(const RenderObject &object);
+/// Whether V is interpolated as it is, and nothing else is asked of the deformation.
 bool isPlain(const RenderObject &object);
 
 /// The sets of numbers that an event draws (sample_dimensions.h).

@@ -39,7 +39,8 @@ PathTracer::PathTracer(const RenderScene &scene, const std::vector<PreparedMater
         using Way = State::LaneObject;
         const bool still = object.steps.size() == 1 && object.placements.size() <= 1;
         const Way plain = still ? Way::Still : Way::Moving;
-        s.laneObjects.push_back(settings.oneByOne || !inLanes(object) ? Way::Alone : isPlain(object) ? plain : Way::Other);
+        const Way other = object.storedPoisson.empty() ? Way::Other : Way::Stored;
+        s.laneObjects.push_back(settings.oneByOne ? Way::Alone : isPlain(object) ? plain : other);
     }
     s.waiting.resize(materials.size());
     for (const PreparedMaterial &material : materials) s.hasMedia |= material.extinction != Vec3(0);

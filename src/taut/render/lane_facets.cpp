@@ -155,6 +155,7 @@ void startCoat(HitLanes &base) {
     std::copy_n(base.other, padded, coat.other);
     std::copy_n(base.otherLean, padded, coat.otherLean);
     std::copy_n(base.strain, padded, coat.strain);
+    std::copy_n(base.stored, padded, coat.stored);
 }
 
 void setCoat(HitLanes &base, const LaneMaterial &material, Instructions instructions) {

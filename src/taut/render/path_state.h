@@ -79,8 +79,9 @@ struct PathTracer::State {
 
     // Hits that are shaded at once.
     std::vector<LaneMaterial> laneMaterials; ///< [materials]
-    /// How an object's hits are gathered: one by one; at one time, between steps of the shutter, or with a deformation of another kind.
-    enum class LaneObject : std::uint8_t { Alone, Still, Moving, Other };
+    /// How an object's hits are gathered: one by one; at one time, between steps of the shutter, with a deformation of another kind or
+    /// with a stored M.
+    enum class LaneObject : std::uint8_t { Alone, Still, Moving, Other, Stored };
     std::vector<LaneObject> laneObjects;     ///< [objects]
     std::vector<std::vector<Index>> waiting; ///< [materials] hits of this event
     std::unique_ptr<HitLanes> lanes = std::make_unique<HitLanes>();

@@ -1,5 +1,6 @@
 #include "taut/render/shading.h"
 
+#include "taut/deform/stored_gloss.h"
 #include "taut/render/facet.h"
 #include "taut/render/ray_cone.h"
 #include "taut/scene/material_gloss.h"
@@ -13,8 +14,7 @@ constexpr float kTiltedLoss = 5;
 
 /// M where the material has this roughness at rest.
 MicroTransform microAt(const Material &material, const RestRoughness &rest, const SurfacePoint &point, float sense) {
-    // Stored gloss comes as sqrt(M M^T) in the place of V.
-    if (!point.object->storedPoisson.empty()) return microTransform(point.stretch.x, point.stretch.y, point.stretch.y, point.stretch.z);
+    if (!point.object->storedPoisson.empty()) return storedTransform(point.stretch);
     const bool leans = point.object->object->lean;
     return transformAt(material, rest, point.stretch, point.tangent, sense, leans ? &point.lean : nullptr);
 }
