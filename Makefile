@@ -9,7 +9,7 @@ PACKAGES := g++ cmake ninja-build pkg-config libopenmesh-dev libosd-dev libembre
             ffmpeg gnuplot-nox fonts-dejavu-core $(PYTHON_PACKAGES)
 MISSING := $(shell for p in $(PACKAGES); do dpkg-query -W -f='$${Status}' $$p 2>/dev/null | grep -q 'install ok installed' || echo $$p; done)
 
-.PHONY: all build command deps python blender-addon export-tools demo test bench debian13 debian13-blender debian13-bench sanitize fuzz-tools fuzz fuzz-coverage format clean
+.PHONY: all build command build-time deps python blender-addon export-tools demo test bench debian13 debian13-blender debian13-bench sanitize fuzz-tools fuzz fuzz-coverage format clean
 
 all: build
 
@@ -48,6 +48,14 @@ export-tools:
 command: deps
 	cmake --preset release
 	cmake --build --preset release --target taut_command
+
+# What a build from nothing takes: the command, then tests, charts, benches and Python. OPTIONS=-DTAUT_UNITY=OFF compares.
+build-time: export CCACHE_DISABLE := 1
+build-time: deps
+	rm -rf build/timed
+	cmake -S . -B build/timed -G Ninja -D CMAKE_BUILD_TYPE=Release $(OPTIONS) >/dev/null
+	@bash -c 'TIMEFORMAT="the command: %U + %S s of processor time, %R s"; time cmake --build build/timed --target taut_command >/dev/null'
+	@bash -c 'TIMEFORMAT="the rest: %U + %S s of processor time, %R s"; time cmake --build build/timed >/dev/null'
 
 demo: command
 	apps/demo/demo.sh $(BUILD)/taut out/demo

@@ -280,6 +280,18 @@ TEST_CASE("chart: plots are drawn, what is not finite is hatched, and the page n
     CHECK(page.find("url(") == std::string::npos);
 }
 
+TEST_CASE("chart: what measures is a program of its own, beside the command", "[chart]") {
+    const CommandResult help = runTaut({"chart", "--help"});
+    CHECK(help.exitCode == 0);
+    CHECK_THAT(help.out, Catch::Contains("Usage: taut chart") && Catch::Contains("microgeometry: ") && Catch::Contains("--against"));
+    CHECK_THAT(runTaut({"--help"}).out, Catch::Contains("chart "));
+    const std::string folder = freshFolder("chart_alone");
+    std::filesystem::copy_file(TAUT_COMMAND, folder + "/taut");
+    const CommandResult alone = runProgram({folder + "/taut", "chart", "precision"}, 60);
+    CHECK(alone.exitCode == 1);
+    CHECK_THAT(errorLine(alone), Catch::Contains(folder + "/taut_charts"));
+}
+
 TEST_CASE("chart: bad usage is one line and exit code 2", "[chart]") {
     const std::string folder = freshFolder("chart_usage");
     CommandResult result = runTaut({"chart", "precison", "-o", folder + "/report"});
@@ -289,6 +301,9 @@ TEST_CASE("chart: bad usage is one line and exit code 2", "[chart]") {
     CHECK(result.exitCode == 2);
     CHECK(errorLine(result).find("gnuplot-nox") != std::string::npos);
     CHECK(runTaut({"chart"}).exitCode == 2);
+    result = runTaut({"chart", "precision", "--ful"});
+    CHECK(result.exitCode == 2);
+    CHECK(errorLine(result).find("did you mean '--full'?") != std::string::npos);
     CHECK(runTaut({"chart", "precision", "--quick", "--full"}).exitCode == 2);
     CHECK(runTaut({"chart", "precision", "--against", folder + "/none"}).exitCode == 2);
     CHECK(namesIn(folder).empty());

@@ -82,11 +82,11 @@ std::string configIn(const std::string &folder) {
 }
 
 /// The variable OCIO as long as it lives.
-struct Environment {
-    explicit Environment(const std::string &value) { setenv("OCIO", value.c_str(), 1); }
-    Environment(const Environment &) = delete;
-    Environment &operator=(const Environment &) = delete;
-    ~Environment() { unsetenv("OCIO"); }
+struct OcioVariable {
+    explicit OcioVariable(const std::string &value) { setenv("OCIO", value.c_str(), 1); }
+    OcioVariable(const OcioVariable &) = delete;
+    OcioVariable &operator=(const OcioVariable &) = delete;
+    ~OcioVariable() { unsetenv("OCIO"); }
 };
 
 std::string failure(const ViewSettings &settings) {
@@ -215,7 +215,7 @@ TEST_CASE("colour: views, displays, looks and spaces are those of the configurat
     const std::vector<float> byName = seen(viewNamed("Show", 0, config), grey);
     for (std::size_t c = 0; c < 3; ++c) CHECK(byAces[c] == Approx(byName[c]).margin(1e-5));
     {
-        const Environment ocio(config);
+        const OcioVariable ocio(config);
         CHECK(seen(viewNamed("Show"), grey) == seen(viewNamed("Show", 0, config), grey));
         CHECK(seen(viewNamed(""), grey) == seen(viewNamed("standard"), grey)); // it changes no picture by itself
         CHECK(seen(viewNamed("aces"), grey) == byName);                        // ours, where it has no view of that name

@@ -114,11 +114,6 @@ inline std::string errorLine(const CommandResult &result) {
     return error.empty() ? "NO ERROR LINE" : error;
 }
 
-inline std::string readBytes(const std::string &path) {
-    std::ifstream file(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
-}
-
 inline void writeBytes(const std::string &path, const std::string &bytes) {
     std::ofstream file(path, std::ios::binary | std::ios::trunc);
     file << bytes;

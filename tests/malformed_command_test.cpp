@@ -121,12 +121,6 @@ void checkAll(const std::string &group, const std::vector<Case> &cases) {
     }
 }
 
-std::string replaced(std::string text, const std::string &from, const std::string &to) {
-    const std::size_t at = text.find(from);
-    if (at == std::string::npos) throw std::logic_error("no " + from);
-    return text.replace(at, from.size(), to);
-}
-
 /// The file cut at random places, and with a few of its bits turned. One seed for all.
 std::vector<std::string> damaged(const std::string &bytes, int cuts, int flips) {
     std::mt19937 random(static_cast<unsigned>(bytes.size()));

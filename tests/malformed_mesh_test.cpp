@@ -10,14 +10,14 @@ using namespace taut::test;
 namespace {
 
 /// A file, and what its error must hold: first its place, right after the file's name.
-struct Case {
+struct MeshCase {
     std::string bytes;
     std::string place;
     std::vector<std::string> says;
 };
 
-void checkCases(const std::string &name, const std::vector<Case> &cases) {
-    for (const Case &c : cases) {
+void checkCases(const std::string &name, const std::vector<MeshCase> &cases) {
+    for (const MeshCase &c : cases) {
         const std::string error = errorOf(name, c.bytes);
         CAPTURE(c.bytes.substr(0, 400), error);
         CHECK_THAT(error, Catch::StartsWith(outputFolder("mesh") + "/" + name + c.place));
@@ -26,13 +26,7 @@ void checkCases(const std::string &name, const std::vector<Case> &cases) {
     }
 }
 
-std::string replaced(std::string text, const std::string &from, const std::string &to) {
-    const std::size_t at = text.find(from);
-    REQUIRE(at != std::string::npos);
-    return text.replace(at, from.size(), to);
-}
-
-const std::string kTriangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+const std::string kBareTriangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
 
 } // namespace
 
@@ -46,20 +40,20 @@ TEST_CASE("Malformed OBJ", "[mesh][malformed][obj]") {
                               {"v 0 0 0 red\n", ":1:9: ", {"'red'"}},
                               {"vt\n", ":1:3: ", {"the end of the line"}},
                               {"vn 0 0 1 1\n", ":1:10: ", {"'1'", "the end of the line"}},
-                              {kTriangle + "f 1 2\n", ":4:6: ", {"a face of 2 corners", "at least 3"}},
-                              {kTriangle + "f 1 2 0\n", ":4:7: ", {"index '0'", "1 to 3 or -3 to -1"}},
-                              {kTriangle + "f 1 2 4\nv 0 0 0 # too late? no: read after\nf 1 2 9\n",
+                              {kBareTriangle + "f 1 2\n", ":4:6: ", {"a face of 2 corners", "at least 3"}},
+                              {kBareTriangle + "f 1 2 0\n", ":4:7: ", {"index '0'", "1 to 3 or -3 to -1"}},
+                              {kBareTriangle + "f 1 2 4\nv 0 0 0 # too late? no: read after\nf 1 2 9\n",
                                ":6:7: ",
                                {"index '9' of a position", "1 to 4 or -4 to -1"}},
-                              {kTriangle + "f 1 2 -4\n", ":4:7: ", {"index '-4'"}},
-                              {kTriangle + "f 1/1 2 3\n", ":4:5: ", {"index '1' of a texture coordinate", "the file has none"}},
-                              {kTriangle + "vn 0 0 1\nf 1//1 2//1 3//2\n", ":5:16: ", {"index '2' of a normal"}},
-                              {kTriangle + "f 1/2/3/4 2 3\n", ":4:8: ", {"'/4'", "at most three"}},
-                              {kTriangle + "f 1 2 x3\n", ":4:7: ", {"'x3'", "1/2/3"}},
-                              {kTriangle + "f 1 2 \\\n 3.5\n", ":5:2: ", {"'3.5'"}},
-                              {kTriangle + "f 1 2 99999999999999999999\n", ":4:7: ", {"'99999999999999999999'"}},
-                              {kTriangle, ": ", {"found no face"}},
-                              {kTriangle + "f 1 1 2\n", ": ", {"found no face"}},
+                              {kBareTriangle + "f 1 2 -4\n", ":4:7: ", {"index '-4'"}},
+                              {kBareTriangle + "f 1/1 2 3\n", ":4:5: ", {"index '1' of a texture coordinate", "the file has none"}},
+                              {kBareTriangle + "vn 0 0 1\nf 1//1 2//1 3//2\n", ":5:16: ", {"index '2' of a normal"}},
+                              {kBareTriangle + "f 1/2/3/4 2 3\n", ":4:8: ", {"'/4'", "at most three"}},
+                              {kBareTriangle + "f 1 2 x3\n", ":4:7: ", {"'x3'", "1/2/3"}},
+                              {kBareTriangle + "f 1 2 \\\n 3.5\n", ":5:2: ", {"'3.5'"}},
+                              {kBareTriangle + "f 1 2 99999999999999999999\n", ":4:7: ", {"'99999999999999999999'"}},
+                              {kBareTriangle, ": ", {"found no face"}},
+                              {kBareTriangle + "f 1 1 2\n", ": ", {"found no face"}},
                               {"", ": ", {"found no face"}},
                               {std::string("v 0 0 \0\n", 8), ":1:7: ", {"'\\x00'"}},
                               {"v 0 0 " + std::string(5000, 'x') + "\n", ":1:7: ", {"xxx...xxx"}},

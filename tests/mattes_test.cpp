@@ -123,7 +123,7 @@ struct Rectangle {
     double x0, y0, x1, y1, z;
     const char *material;
 };
-constexpr int kSide = 12;
+constexpr int kPlateSide = 12;
 constexpr Rectangle kRectangles[] = {
     {"left", 1.3, 1, 5, 11, 0, "red"}, {"right", 5, 2.25, 10, 9, 0, "blue"}, {"low", 7.6, 4, 9, 8, 1, "red"}};
 
@@ -194,8 +194,8 @@ TEST_CASE("mattes: coverage of objects and materials is that of their areas, wit
     for (const auto &[name, id] : objects.manifest()) CHECK(id == floatOfName(name));
     CHECK(materials.manifest().size() == 2);
     double worst = 0;
-    for (int y = 0; y < kSide; ++y)
-        for (int x = 0; x < kSide; ++x) {
+    for (int y = 0; y < kPlateSide; ++y)
+        for (int x = 0; x < kPlateSide; ++x) {
             CAPTURE(x, y);
             std::map<std::string, double> byMaterial;
             double all = 0;
@@ -335,8 +335,8 @@ TEST_CASE("mattes: Blender's compositor keys an object where Blender is, and rea
         const Cryptomatte own(path, layer);
         double worst = 0;
         double sum = 0;
-        for (int y = 0; y < kSide; ++y)
-            for (int x = 0; x < kSide; ++x) {
+        for (int y = 0; y < kPlateSide; ++y)
+            for (int x = 0; x < kPlateSide; ++x) {
                 worst = std::max(worst, std::fabs(valueAt(keyed, x, y, "R") - own.coverage(name, x, y)));
                 sum += own.coverage(name, x, y);
             }

@@ -12,10 +12,18 @@
 #include <algorithm>
 #include <cstring>
 #include <fstream>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
 namespace taut::test {
+
+/// A sample with one place changed, which must be there.
+inline std::string replaced(std::string text, const std::string &from, const std::string &to) {
+    const std::size_t at = text.find(from);
+    if (at == std::string::npos) throw std::logic_error("no " + from);
+    return text.replace(at, from.size(), to);
+}
 
 /// Writes `bytes` to a file of this name in the output folder and returns its path.
 inline std::string writeFile(const std::string &name, const std::string &bytes) {

@@ -5,6 +5,8 @@
 
 #include <cctype>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <string>
 
 namespace taut::test {
@@ -30,6 +32,11 @@ inline std::string outputFolder(const std::string &name) {
 inline std::string freshFolder(const std::string &name) {
     std::filesystem::remove_all(outputOfTest() / name);
     return outputFolder(name);
+}
+
+inline std::string readBytes(const std::string &path) {
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
 }
 
 } // namespace taut::test

@@ -3,6 +3,7 @@
 
 #include "assets.h"
 #include "mesh_samples.h"
+#include "output_folder.h"
 
 #include "taut/base/file_bytes.h"
 #include "taut/images/image_codec.h"
@@ -22,11 +23,6 @@ inline std::string writeTo(const std::string &folder, const std::string &name, c
     const std::string path = folder + "/" + name;
     std::ofstream(path, std::ios::binary | std::ios::trunc).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
     return path;
-}
-
-inline std::string readBytes(const std::string &path) {
-    std::ifstream in(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
 }
 
 /// One quad in the plane z = `height`, corners (+-1, +-1); two material slots where `twoMaterials`.

@@ -29,14 +29,14 @@ std::vector<Vec3> cornerNormals(const Mesh &mesh) {
     return normals;
 }
 
-struct Named {
+struct NamedMesh {
     std::string name;
     Mesh mesh;
 };
 
 /// Seams, mirrored maps, sheared and uneven ones, quads and triangles.
-std::vector<Named> meshes() {
-    std::vector<Named> all;
+std::vector<NamedMesh> meshes() {
+    std::vector<NamedMesh> all;
     all.push_back({"bumpy quads", openGrid(6, bumpy)});
     Mesh mirrored = openGrid(8, bumpy);
     for (Vec2 &uv : mirrored.uvs) uv.x = std::fabs(uv.x - 0.5F);
@@ -74,7 +74,7 @@ TEST_CASE("Tangents are those of MikkTSpace as Blender has it", "[tangent_space]
     const std::string folder = freshFolder("tangent_space");
     const auto all = meshes();
     nlohmann::json input = nlohmann::json::array();
-    for (const Named &named : all) {
+    for (const NamedMesh &named : all) {
         const std::vector<Vec3> normals = cornerNormals(named.mesh);
         nlohmann::json mesh{
             {"positions", nlohmann::json::array()}, {"faces", nlohmann::json::array()}, {"corners", nlohmann::json::array()}};

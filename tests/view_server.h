@@ -12,6 +12,7 @@
 #include <cerrno>
 #include <chrono>
 #include <cstring>
+#include <regex>
 #include <thread>
 
 namespace taut::test {
@@ -36,11 +37,11 @@ class Client {
         setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
         const linger now{1, 0};
         if (forgets) setsockopt(socket_, SOL_SOCKET, SO_LINGER, &now, sizeof now);
-        isOpen_ = connect(socket_, reinterpret_cast<const sockaddr *>(&to), sizeof to) == 0; // NOLINT: POSIX
+        isOpen_ = ::connect(socket_, reinterpret_cast<const sockaddr *>(&to), sizeof to) == 0; // NOLINT: POSIX
     }
     Client(const Client &) = delete;
     Client &operator=(const Client &) = delete;
-    ~Client() { close(socket_); }
+    ~Client() { ::close(socket_); }
 
     [[nodiscard]] bool isOpen() const { return isOpen_; }
     /// False where the other side has closed.
@@ -89,9 +90,9 @@ class ViewServer {
         posix_spawn_file_actions_addclose(&actions, ends[0]);
         REQUIRE(posix_spawn(&process_, argv[0], &actions, nullptr, argv.data(), environ) == 0);
         posix_spawn_file_actions_destroy(&actions);
-        close(ends[1]);
+        ::close(ends[1]);
         for (char c = 0; read(ends[0], &c, 1) == 1 && c != '\n';) url += c;
-        close(ends[0]);
+        ::close(ends[0]);
         INFO(err_.text());
         std::smatch match;
         REQUIRE(std::regex_match(url, match, std::regex(R"(http://127\.0\.0\.1:(\d+)/([0-9a-f]{32})/)")));
@@ -119,9 +120,11 @@ class ViewServer {
 
     [[nodiscard]] std::string host() const { return "127.0.0.1:" + std::to_string(port); }
     /// A request with these header lines, each with its end.
-    [[nodiscard]] HttpAnswer ask(const std::string &method, const std::string &target, const std::string &headers, const std::string &body = "") const {
+    [[nodiscard]] HttpAnswer ask(const std::string &method, const std::string &target, const std::string &headers,
+                                 const std::string &body = "") const {
         const Client client(port);
-        client.send(method + " " + target + " HTTP/1.1\r\nConnection: close\r\nContent-Length: " + std::to_string(body.size()) + "\r\n" + headers + "\r\n" + body);
+        client.send(method + " " + target + " HTTP/1.1\r\nConnection: close\r\nContent-Length: " + std::to_string(body.size()) + "\r\n" +
+                    headers + "\r\n" + body);
         return answerOf(client.receive());
     }
     [[nodiscard]] HttpAnswer get(const std::string &path) const { return ask("GET", "/" + token + "/" + path, "Host: " + host() + "\r\n"); }

@@ -5,6 +5,7 @@
 #include "image_output.h"
 #include "render_arguments.h"
 #include "resources.h"
+#include "this_program.h"
 
 #include "taut/base/file_bytes.h"
 
@@ -60,12 +61,6 @@ std::vector<std::string> renderWords(const RenderArguments &a) {
     return words;
 }
 
-std::string thisProgram() {
-    std::error_code error;
-    const fs::path path = fs::read_symlink("/proc/self/exe", error);
-    return error ? "taut" : path.string();
-}
-
 int farm(FarmArguments &arguments) {
     const auto began = std::chrono::steady_clock::now();
     RenderArguments &render = arguments.render;
@@ -96,7 +91,7 @@ int farm(FarmArguments &arguments) {
     FarmJob job;
     job.name = fs::path(render.scene.scene).stem().string();
     job.folder = fs::current_path().string();
-    job.program = thisProgram();
+    job.program = thisProgram().string();
     job.render = renderWords(render);
     job.outputs = render.outputs;
     job.shardBy = byRows ? "rows" : "samples";

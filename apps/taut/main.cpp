@@ -1,109 +1,18 @@
 /// taut: renders deforming meshes whose gloss follows the deformation. One file a subcommand.
-/// Exit codes: 0 done, 1 failed while running, 2 usage or bad input, 75 stopped and to be gone on with.
 
-#include "commands.h"
-#include "interruption.h"
-
-#include "taut/images/image_codec.h"
-
-#include <algorithm>
-#include <cstdio>
-#include <exception>
-#include <iostream>
-#include <new>
-
-namespace {
-
-constexpr int kFailed = 1;
-constexpr int kBadInput = 2;
-
-int fail(int code, const char *what) {
-    std::cerr << "taut: error: " << what << std::endl;
-    return code;
-}
-
-std::vector<CLI::App *> commandsOf(CLI::App &app) {
-    return app.get_subcommands([](const CLI::App *) { return true; });
-}
-
-/// An unknown subcommand is answered with the nearest one, as unknown keys are.
-void checkSubcommand(CLI::App &app, int argc, char **argv) {
-    const std::vector<CLI::App *> commands = commandsOf(app);
-    if (commands.empty()) return;
-    std::vector<std::string> names;
-    for (const CLI::App *command : commands) names.push_back(command->get_name());
-    if (argc < 2) {
-        std::string list;
-        for (const std::string &name : names) list += (list.empty() ? "" : name == names.back() ? " or " : ", ") + name;
-        throw taut::InputError("found no subcommand, expected " + list + " (see taut --help)");
-    }
-    if (argv[1][0] == '-') return;
-    const auto found = std::find(names.begin(), names.end(), argv[1]);
-    if (found == names.end()) taut::failUnknownName({"subcommand"}, argv[1], std::vector<std::string_view>(names.begin(), names.end()));
-    checkSubcommand(*commands[static_cast<std::size_t>(found - names.begin())], argc - 1, argv + 1);
-}
-
-/// So is an unknown option.
-void checkExtras(const CLI::App &app) {
-    for (const CLI::App *command : app.get_subcommands()) checkExtras(*command);
-    std::vector<std::string> names;
-    for (const CLI::Option *option : app.get_options())
-        for (const std::string &name : option->get_lnames()) names.push_back("--" + name);
-    for (const std::string &extra : app.remaining())
-        if (extra.size() > 1 && extra[0] == '-')
-            taut::failUnknownName({"option"}, extra.substr(0, extra.find('=')), std::vector<std::string_view>(names.begin(), names.end()));
-}
-
-} // namespace
-
-namespace {
-
-int runCommand(int argc, char **argv) {
-    CLI::App app("Renders deforming meshes whose gloss follows the deformation.", "taut");
-    app.set_version_flag("--version", "taut " TAUT_VERSION);
-    app.require_subcommand(0, 1); // none at all is told below, so that an unknown one is named
-    taut::app::Run run;
-    taut::app::addRender(app, run);
-    taut::app::addMerge(app, run);
-    taut::app::addFarm(app, run);
-    taut::app::addCompare(app, run);
-    taut::app::addSheet(app, run);
-    taut::app::addInfo(app, run);
-    taut::app::addExport(app, run);
-    taut::app::addProbe(app, run);
-    taut::app::addView(app, run);
-    taut::app::addChart(app, run);
-    try {
-        checkSubcommand(app, argc, argv);
-        try {
-            app.parse(argc, argv);
-        } catch (const CLI::ExtrasError &) {
-            checkExtras(app);
-            throw;
-        }
-        if (!run) return fail(kBadInput, "found no subcommand (see taut --help)");
-        const int code = run();
-        std::cout.flush();
-        if (!std::cout || std::fflush(stdout) != 0) return fail(kFailed, "standard output could not be written");
-        return code;
-    } catch (const CLI::ParseError &error) {
-        if (error.get_exit_code() == 0) return app.exit(error); // --help, --version
-        // An InputError is one line whatever was typed.
-        return fail(kBadInput, taut::InputError(std::string(error.what()) + " (see taut --help)").what());
-    } catch (const taut::InputError &error) {
-        return fail(kBadInput, error.what());
-    } catch (const std::bad_alloc &) {
-        return fail(kFailed, "out of memory");
-    } catch (const std::exception &error) {
-        return fail(kFailed, error.what());
-    }
-}
-
-} // namespace
+#include "command_line.h"
 
 int main(int argc, char **argv) {
-    taut::app::endCleanlyWhenStopped();
-    const int code = runCommand(argc, argv);
-    taut::awaitImageCodec();
-    return code;
+    return taut::app::runCommandLine(argc, argv, [](CLI::App &app, taut::app::Run &run) {
+        taut::app::addRender(app, run);
+        taut::app::addMerge(app, run);
+        taut::app::addFarm(app, run);
+        taut::app::addCompare(app, run);
+        taut::app::addSheet(app, run);
+        taut::app::addInfo(app, run);
+        taut::app::addExport(app, run);
+        taut::app::addProbe(app, run);
+        taut::app::addView(app, run);
+        taut::app::addChart(app, run);
+    });
 }

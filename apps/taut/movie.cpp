@@ -24,7 +24,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Format {
+struct MovieFormat {
     const char *extension;
     std::vector<const char *> arguments;
 };
@@ -32,8 +32,8 @@ struct Format {
 /// Sizes that are odd are filled up with black, colours are said to be Rec. 709's.
 const char *const kVideo = "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv,format=yuv420p";
 
-const std::array<Format, 3> &formats() {
-    static const std::array<Format, 3> all{{
+const std::array<MovieFormat, 3> &formats() {
+    static const std::array<MovieFormat, 3> all{{
         {"mp4",
          {"-vf", kVideo, "-c:v", "libx264", "-crf", "16", "-preset", "slow", "-colorspace", "bt709", "-color_primaries", "bt709",
           "-color_trc", "bt709", "-movflags", "+faststart", "-f", "mp4"}},
@@ -79,7 +79,7 @@ std::string lastLine(std::string text) {
 
 bool isMoviePath(const std::string &path) {
     const std::string extension = lowerExtension(path);
-    return std::any_of(formats().begin(), formats().end(), [&](const Format &f) { return extension == f.extension; });
+    return std::any_of(formats().begin(), formats().end(), [&](const MovieFormat &f) { return extension == f.extension; });
 }
 
 void checkMovie(const std::string &path) {
@@ -95,7 +95,7 @@ void writeMovie(const std::string &path, double fps) {
     const std::string folder = folderOfMovie(path);
     const std::string log = folder + "/ffmpeg.log";
     const std::string extension = lowerExtension(path);
-    const auto format = std::find_if(formats().begin(), formats().end(), [&](const Format &f) { return extension == f.extension; });
+    const auto format = std::find_if(formats().begin(), formats().end(), [&](const MovieFormat &f) { return extension == f.extension; });
     const std::string made = "movie." + extension; // in the folder, until it is whole
     std::vector<std::string> words{"ffmpeg",     "-hide_banner",         "-loglevel", "error",   "-y",
                                    "-framerate", fmt::format("{}", fps), "-i",        "%06d.png"};

@@ -20,7 +20,7 @@ static_assert(std::endian::native == std::endian::little, "numbers are sent as t
 
 constexpr char kCreateImage = 4;
 constexpr char kUpdateImage = 6;
-constexpr auto kInterval = std::chrono::milliseconds(500);
+constexpr auto kUpdateInterval = std::chrono::milliseconds(500);
 /// A viewer that takes nothing for so long is gone.
 constexpr timeval kPatience{10, 0};
 /// A part of an image goes in one packet of about so many floats.
@@ -67,7 +67,8 @@ TevDisplay::TevDisplay(const std::string &address) : address_(address) {
     const std::string port = colon == std::string::npos ? "" : address.substr(colon + 1);
     std::string host = address.substr(0, std::min(colon, address.size()));
     if (host.size() > 2 && host.front() == '[' && host.back() == ']') host = host.substr(1, host.size() - 2);
-    const bool isPort = !port.empty() && port.size() <= 5 && port.find_first_not_of("0123456789") == std::string::npos && std::stoi(port) <= 65535;
+    const bool isPort =
+        !port.empty() && port.size() <= 5 && port.find_first_not_of("0123456789") == std::string::npos && std::stoi(port) <= 65535;
     if (host.empty() || !isPort) failInput({"--display"}, quoted(address), "HOST:PORT such as 127.0.0.1:14158");
     socket_ = connectTo(host, port);
     if (socket_ < 0) throw RunError("--display " + address + ": no viewer listens there");
@@ -129,7 +130,7 @@ DisplayFeed::DisplayFeed(TevDisplay *display, std::string name, std::function<Fi
     if (display_ == nullptr) return;
     thread_ = std::thread([this] {
         std::unique_lock lock(mutex_);
-        while (!ended_.wait_for(lock, kInterval, [this] { return end_; })) display_->update(name_, film_());
+        while (!ended_.wait_for(lock, kUpdateInterval, [this] { return end_; })) display_->update(name_, film_());
     });
 }
 

@@ -47,7 +47,7 @@ class KeepingSource final : public PointSource {
 /// Of values in values: a dict that holds itself has no end.
 constexpr int kDeepest = 64;
 
-TomlValue tableOf(const py::dict &dict, const std::string &where, int depth) {
+TomlValue tomlTableOf(const py::dict &dict, const std::string &where, int depth) {
     TomlValue table;
     table.where = {where.empty() ? "scene" : where};
     for (const auto &[key, value] : dict) {
@@ -90,7 +90,7 @@ TomlValue treeOf(const py::handle &given, const std::string &where, int depth) {
     if (py::hasattr(value, "__fspath__")) value = value.attr("__fspath__")();
     TomlValue out;
     out.where = {where};
-    if (py::isinstance<py::dict>(value)) return tableOf(py::cast<py::dict>(value), where, depth);
+    if (py::isinstance<py::dict>(value)) return tomlTableOf(py::cast<py::dict>(value), where, depth);
     if (py::isinstance<py::bool_>(value)) {
         out.kind = TomlValue::Kind::Boolean;
         out.boolean = py::cast<bool>(value);

@@ -23,9 +23,9 @@ bool isDefault(GradientInterpolation scheme) {
     return scheme == MeshPlan{}.interpolation;
 }
 
-const Axis kTimeAxis{"V at a hit, from what is stored", "ns"};
-const Axis kTensorAxis{"RMS error of V, relative", ""};
-const Axis kImageAxis{"RMS error of the image, relative", ""};
+const Axis kHitAxis{"V at a hit, from what is stored", "ns"};
+const Axis kStretchAxis{"RMS error of V, relative", ""};
+const Axis kPictureAxis{"RMS error of the image, relative", ""};
 /// Triangles of the timed mesh: 2 kTimed^2, within the caches, as neighbouring hits find them.
 constexpr int kTimed = 64;
 
@@ -64,17 +64,17 @@ Panel tensorPanel(bool flat, std::vector<Point> points) {
             flat ? "Plane: the corners' rest frames agree" : "Curved surfaces: the corners' rest frames differ",
             "error: " + std::to_string(cases.size()) +
                 " closed forms, 32 x 32 quads, a point inside every triangle; time: one thread, 8192 triangles in turn",
-            kTimeAxis,
-            kTensorAxis,
+            kHitAxis,
+            kStretchAxis,
             std::move(points)};
 }
 
-Panel convergencePanel() {
+Panel refinementPanel() {
     Panel panel = lines({"convergence",
                          "Error of V as meshes are refined",
                          "RMS over the closed forms on curved surfaces",
                          {"quads along a side", ""},
-                         kTensorAxis,
+                         kStretchAxis,
                          {}});
     for (const GradientInterpolation scheme : kSchemes)
         for (const int n : {4, 8, 16, 32, 64})
@@ -110,8 +110,8 @@ Panel imagePanel(bool flat, std::vector<Point> points, int seeds) {
             flat ? "Images of a plate waved in its plane" : "Images of a waved torus",
             (flat ? "12 x 12 quads; reference: 192 x 192" : "96 x 48 quads; reference: 384 x 192") +
                 std::string(", the same random numbers; 64 x 64 pixels, 256 samples"),
-            kTimeAxis,
-            kImageAxis,
+            kHitAxis,
+            kPictureAxis,
             std::move(points)};
 }
 
@@ -127,7 +127,7 @@ Chart measureInterpolation(const ChartOptions &options) {
         "as well, which no scheme mends. V, its logarithm and the Cholesky factor lie on one another in the plot of refined meshes."};
     const std::vector<Point> times = timesOfHits(options.pick(25, 201));
     const int seeds = options.pick(3, 9);
-    chart.panels = {tensorPanel(true, times), tensorPanel(false, times), convergencePanel(), imagePanel(true, times, seeds),
+    chart.panels = {tensorPanel(true, times), tensorPanel(false, times), refinementPanel(), imagePanel(true, times, seeds),
                     imagePanel(false, times, seeds)};
     const std::string ours = nameOf(MeshPlan{}.interpolation);
     const auto error = [&](std::size_t panel, const std::string &series) { return pointOf(chart.panels[panel], series).y.value; };

@@ -15,7 +15,7 @@ namespace taut::chart {
 namespace {
 
 constexpr float kAlpha = 0.2F;
-const Axis kTimeAxis{"time of a frame", "s"};
+const Axis kFrameAxis{"time of a frame", "s"};
 const Axis kErrorAxis{"mean squared error over the mean square", ""};
 
 struct Motion {
@@ -66,7 +66,7 @@ Panel nearPanel(const Motion &motion, const ChartOptions &options) {
                 std::string("Near, ") + motion.title,
                 fmt::format("Crossed waves with slopes to {}, alpha {}, under the studio's lights, seen from above; truth: {} real facets.",
                             relief.steep, kAlpha, real->objects()[0].surface.triangles.size()),
-                kTimeAxis,
+                kFrameAxis,
                 kErrorAxis,
                 {}};
     panel.joined = true;
@@ -100,7 +100,7 @@ Panel farPanel(int waves, const ChartOptions &options) {
     Panel panel{fmt::format("far_{}", waves),
                 fmt::format("Far: {:.2g} waves in a pixel", pixels),
                 "As above, stretched; truth: the map at many samples. What moments are off by however many samples: their fit.",
-                kTimeAxis,
+                kFrameAxis,
                 kErrorAxis,
                 {}};
     panel.joined = true;

@@ -34,8 +34,8 @@ double processSeconds() {
 }
 
 /// How the full model is left behind, step by step.
-enum class Way { SamplesWhereNeeded, SharedByPixels, Planned };
-constexpr std::array kWays{Way::SamplesWhereNeeded, Way::SharedByPixels, Way::Planned};
+enum class Means { SamplesWhereNeeded, SharedByPixels, Planned };
+constexpr std::array kMeans{Means::SamplesWhereNeeded, Means::SharedByPixels, Means::Planned};
 
 /// A picture with the time of all that it took from the scene on.
 struct Shot {
@@ -46,7 +46,7 @@ struct Shot {
     ScenePlan plan;
 };
 
-std::vector<float> coloursOf(const Film &film) {
+std::vector<float> valuesOf(const Film &film) {
     const std::vector<float> values = film.resolve();
     std::vector<float> colours;
     for (std::size_t i = 0; i < values.size(); i += 4) colours.insert(colours.end(), {values[i], values[i + 1], values[i + 2]});
@@ -65,20 +65,20 @@ Shot shoot(const Scene &scene, double frame, PlannedScene planned, FrameOptions 
     ready.setFrame(frame);
     const FrameResult result = renderFrame(ready, options);
     shot.seconds = processSeconds() - began;
-    shot.values = coloursOf(result.film);
+    shot.values = valuesOf(result.film);
     shot.samples = result.film.meanSamples();
     if (shot.plan.budget) shot.told = std::hypot(result.reached->error, static_cast<double>(shot.plan.budget->bias));
     return shot;
 }
 
-Shot shootTo(const Scene &scene, double frame, float error, Way way, std::uint32_t seed) {
+Shot shootTo(const Scene &scene, double frame, float error, Means way, std::uint32_t seed) {
     const double began = processSeconds();
     PlanOptions options;
     options.error = error;
-    options.full = way != Way::Planned;
+    options.full = way != Means::Planned;
     FrameOptions frameOptions;
     frameOptions.seed = seed;
-    return shoot(scene, frame, planByPilots(scene, options), frameOptions, way != Way::SamplesWhereNeeded, began);
+    return shoot(scene, frame, planByPilots(scene, options), frameOptions, way != Means::SamplesWhereNeeded, began);
 }
 
 Shot shootFixed(const Scene &scene, double frame, int spp, std::uint32_t seed) {
@@ -203,8 +203,8 @@ struct Reached {
 
 struct Outcome {
     std::string name;
-    std::array<std::array<Reached, kErrors.size()>, kWays.size()> ways;
-    [[nodiscard]] const Reached &of(Way way, std::size_t error) const { return ways[static_cast<std::size_t>(way)][error]; }
+    std::array<std::array<Reached, kErrors.size()>, kMeans.size()> ways;
+    [[nodiscard]] const Reached &of(Means way, std::size_t error) const { return ways[static_cast<std::size_t>(way)][error]; }
     std::array<FixedSamples::Tried, kByHand.size()> byHand;
 };
 
@@ -218,7 +218,7 @@ Outcome outcomeOf(const ErrorScene &from, int most) {
     for (std::size_t i = 0; i < kByHand.size(); ++i) outcome.byHand[i] = fixed.at(std::min(kByHand[i], most));
     const References &references = fixed.referencesFor(static_cast<double>(kErrors.back()));
     for (std::size_t i = 0; i < kErrors.size(); ++i)
-        for (const Way way : kWays) {
+        for (const Means way : kMeans) {
             const Shot shot = shootTo(scene, from.frame, kErrors[i], way, 17);
             outcome.ways[static_cast<std::size_t>(way)][i] = {references.trueError(shot.values), shot.told, shot.seconds, seconds[i],
                                                               shot.samples};
@@ -233,7 +233,7 @@ double geometricMean(const std::vector<double> &values) {
 }
 
 /// Ratios of time over all scenes, of one asked error or of all.
-std::vector<double> ratiosOf(const std::vector<Outcome> &outcomes, Way way, std::optional<std::size_t> error) {
+std::vector<double> ratiosOf(const std::vector<Outcome> &outcomes, Means way, std::optional<std::size_t> error) {
     std::vector<double> ratios;
     for (const Outcome &outcome : outcomes)
         for (std::size_t i = 0; i < kErrors.size(); ++i)
@@ -249,10 +249,10 @@ std::string asked(std::size_t i) {
 void tell(const Outcome &outcome) {
     std::cerr << outcome.name;
     for (std::size_t i = 0; i < kErrors.size(); ++i) {
-        const Reached &way = outcome.of(Way::Planned, i);
+        const Reached &way = outcome.of(Means::Planned, i);
         std::cerr << "; " << kErrors[i] << ": true " << digits(way.error) << ", told " << digits(way.told) << ", time "
-                  << digits(way.ratio()) << ", full model " << digits(outcome.of(Way::SharedByPixels, i).ratio()) << ", not shared "
-                  << digits(outcome.of(Way::SamplesWhereNeeded, i).ratio());
+                  << digits(way.ratio()) << ", full model " << digits(outcome.of(Means::SharedByPixels, i).ratio()) << ", not shared "
+                  << digits(outcome.of(Means::SamplesWhereNeeded, i).ratio());
     }
     std::cerr << std::endl;
 }
@@ -273,7 +273,8 @@ Chart measurePlan(const ChartOptions &options) {
             tell(outcomes.back());
         }
 
-    if (outcomes.empty()) throw InputError("TAUT_PLAN_SCENES: found " + quoted(std::string(only)) + ", expected names of scenes, separated by colons");
+    if (outcomes.empty())
+        throw InputError("TAUT_PLAN_SCENES: found " + quoted(std::string(only)) + ", expected names of scenes, separated by colons");
 
     const std::string conditions = std::to_string(outcomes.size()) + " scenes, " + std::to_string(width) +
                                    " pixels wide; time of the process from the scene on: plan, pilots, topology, frame, samples";
@@ -315,14 +316,14 @@ Chart measurePlan(const ChartOptions &options) {
                                    false});
     for (const Outcome &outcome : outcomes)
         for (std::size_t i = 0; i < kErrors.size(); ++i) {
-            const Reached &way = outcome.of(Way::Planned, i);
+            const Reached &way = outcome.of(Means::Planned, i);
             hand.points.push_back({asked(i), outcome.name, {way.seconds}, {way.error}, false});
             const auto error = static_cast<double>(kErrors[i]);
             honesty.points.push_back({asked(i), outcome.name, {error}, {way.error}, false});
             time.points.push_back({asked(i), outcome.name, {way.ratio()}, {way.error}, false});
             table.rows.push_back({outcome.name, digits(error), digits(way.error), digits(way.told), digits(way.samples),
-                                  digits(way.ratio()), digits(outcome.of(Way::SharedByPixels, i).ratio()),
-                                  digits(outcome.of(Way::SamplesWhereNeeded, i).ratio())});
+                                  digits(way.ratio()), digits(outcome.of(Means::SharedByPixels, i).ratio()),
+                                  digits(outcome.of(Means::SamplesWhereNeeded, i).ratio())});
             kept += way.error <= error ? 1 : 0;
             shares.push_back(way.error / error);
             slowest = std::max(slowest, way.ratio());
@@ -331,12 +332,12 @@ Chart measurePlan(const ChartOptions &options) {
     for (std::size_t i = 0; i < kErrors.size(); ++i) {
         const Measured error{static_cast<double>(kErrors[i])};
         parts.points.push_back({"full model, fixed samples", asked(i), {1}, error, false});
-        const auto add = [&](const char *name, Way way) {
-            parts.points.push_back({name, asked(i), {geometricMean(ratiosOf(outcomes, way, i))}, error, way == Way::Planned});
+        const auto add = [&](const char *name, Means way) {
+            parts.points.push_back({name, asked(i), {geometricMean(ratiosOf(outcomes, way, i))}, error, way == Means::Planned});
         };
-        add("full model, samples where they are needed", Way::SamplesWhereNeeded);
-        add("and shared by pixels", Way::SharedByPixels);
-        add("plan", Way::Planned);
+        add("full model, samples where they are needed", Means::SamplesWhereNeeded);
+        add("and shared by pixels", Means::SharedByPixels);
+        add("plan", Means::Planned);
     }
     Chart chart{
         "plan", "An error that is asked for",
@@ -347,13 +348,13 @@ Chart measurePlan(const ChartOptions &options) {
         "time."};
     chart.panels = {honesty, time, hand, parts};
     chart.tables = {table};
-    const std::vector<double> all = ratiosOf(outcomes, Way::Planned, std::nullopt);
+    const std::vector<double> all = ratiosOf(outcomes, Means::Planned, std::nullopt);
     chart.choice = "The true error is at most the asked one in " + std::to_string(kept) + " of " + std::to_string(shares.size()) +
                    " pictures, and " + digits(shares[shares.size() / 2]) + " of it in the median (" + digits(shares.front()) + " to " +
                    digits(shares.back()) + "). Time for the same error over the full model with the best fixed samples: geometric mean " +
                    digits(geometricMean(all)) + ", slowest " + digits(slowest) + "; the full model " +
-                   digits(geometricMean(ratiosOf(outcomes, Way::SharedByPixels, std::nullopt))) + ", and without sharing " +
-                   digits(geometricMean(ratiosOf(outcomes, Way::SamplesWhereNeeded, std::nullopt))) + ".";
+                   digits(geometricMean(ratiosOf(outcomes, Means::SharedByPixels, std::nullopt))) + ", and without sharing " +
+                   digits(geometricMean(ratiosOf(outcomes, Means::SamplesWhereNeeded, std::nullopt))) + ".";
     return chart;
 }
 

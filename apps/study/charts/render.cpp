@@ -17,7 +17,7 @@ namespace taut::chart {
 namespace {
 
 constexpr int kSize = 64;
-const std::vector<int> kSamples{1, 4, 16, RenderSettings{}.spp};
+const std::vector<int> kSampleCounts{1, 4, 16, RenderSettings{}.spp};
 
 struct StudyScene {
     std::string name, title;
@@ -46,7 +46,7 @@ std::vector<StudyScene> studyScenes() {
             {"rough", "Rough torus, strongly sheared, under a lamp and a sky", std::move(rough)}};
 }
 
-/// A way to render a scene, with a plan for each of kSamples.
+/// A way to render a scene, with a plan for each of kSampleCounts.
 struct Way {
     std::string name;
     Scene scene;
@@ -57,7 +57,7 @@ struct Way {
 /// What the renderer plans for a scene at each number of samples.
 std::vector<ScenePlan> plansOf(Scene scene) {
     std::vector<ScenePlan> plans;
-    for (const int samples : kSamples) {
+    for (const int samples : kSampleCounts) {
         scene.render.spp = samples;
         plans.push_back(makePlan(scene));
     }
@@ -75,7 +75,7 @@ std::vector<Way> modelsOf(const Scene &scene) {
     Scene fixed = scene;
     for (Object &object : fixed.objects) object.follow = false;
     return {{"plan", scene, plansOf(scene), true},
-            {"full model", scene, std::vector<ScenePlan>(kSamples.size(), fullPlan(scene))},
+            {"full model", scene, std::vector<ScenePlan>(kSampleCounts.size(), fullPlan(scene))},
             {"compensation", compensated, plansOf(compensated)},
             {"no multiple scattering", single, plansOf(single)},
             {"gloss held fixed", fixed, plansOf(fixed)}};
@@ -115,14 +115,14 @@ Panel emptyPanel(const std::string &name, const std::string &title, const std::s
 }
 
 void addPoints(Panel &panel, const std::string &series, const std::vector<Measurement> &bySamples, bool isDefault) {
-    for (std::size_t k = 0; k < kSamples.size(); ++k)
-        panel.points.push_back({series, std::to_string(kSamples[k]) + " spp", medianOf(bySamples[k].seconds), medianOf(bySamples[k].errors),
-                                isDefault && kSamples[k] == RenderSettings{}.spp});
+    for (std::size_t k = 0; k < kSampleCounts.size(); ++k)
+        panel.points.push_back({series, std::to_string(kSampleCounts[k]) + " spp", medianOf(bySamples[k].seconds),
+                                medianOf(bySamples[k].errors), isDefault && kSampleCounts[k] == RenderSettings{}.spp});
 }
 
 std::string conditionsOf(const Scene &scene, int reference) {
     return std::to_string(kSize) + " x " + std::to_string(kSize) + " pixels, " + std::to_string(scene.render.maxEvents) +
-           " events; points: " + std::to_string(kSamples.front()) + ", 4, 16, " + std::to_string(kSamples.back()) +
+           " events; points: " + std::to_string(kSampleCounts.front()) + ", 4, 16, " + std::to_string(kSampleCounts.back()) +
            " samples a pixel; reference: the full model at " + std::to_string(reference) + " samples, another seed; all threads";
 }
 
@@ -141,11 +141,11 @@ int framesOf(int samples) {
 /// Every way at every number of samples; the truth is the full model of the scene.
 struct Study {
     std::vector<float> truth;
-    std::vector<std::vector<Measurement>> ways; ///< [ways][kSamples]
+    std::vector<std::vector<Measurement>> ways; ///< [ways][kSampleCounts]
 };
 Study measureWays(const Scene &scene, const std::vector<Way> &ways, int reference, int rounds) {
     Study study{renderImage(scene, fullPlan(scene), 1, reference, 1000).values, {}};
-    study.ways.assign(ways.size(), std::vector<Measurement>(kSamples.size()));
+    study.ways.assign(ways.size(), std::vector<Measurement>(kSampleCounts.size()));
     // A way that does what an earlier one does takes its numbers: noise would order them.
     const auto same = [&](const Way &a, const Way &b, std::size_t k) {
         return a.scene.objects[0].follow == b.scene.objects[0].follow &&
@@ -157,16 +157,16 @@ Study measureWays(const Scene &scene, const std::vector<Way> &ways, int referenc
         return source;
     };
     for (int round = 0; round < rounds; ++round)
-        for (std::size_t k = 0; k < kSamples.size(); ++k)
+        for (std::size_t k = 0; k < kSampleCounts.size(); ++k)
             for (std::size_t i = 0; i < ways.size(); ++i) {
                 if (sourceOf(i, k) < i) continue;
-                for (int n = 0, frames = framesOf(kSamples[k]); n < frames; ++n) {
+                for (int n = 0, frames = framesOf(kSampleCounts[k]); n < frames; ++n) {
                     const auto seed = static_cast<std::uint32_t>(round * frames + n + 1);
-                    const RenderedImage image = renderImage(ways[i].scene, ways[i].plans[k], 1, kSamples[k], seed);
+                    const RenderedImage image = renderImage(ways[i].scene, ways[i].plans[k], 1, kSampleCounts[k], seed);
                     study.ways[i][k].add(image.seconds, image.values, study.truth);
                 }
             }
-    for (std::size_t k = 0; k < kSamples.size(); ++k)
+    for (std::size_t k = 0; k < kSampleCounts.size(); ++k)
         for (std::size_t i = 0; i < ways.size(); ++i) study.ways[i][k] = study.ways[sourceOf(i, k)][k];
     return study;
 }
@@ -201,16 +201,16 @@ Panel besideCycles(const StudyScene &study, const std::string &conditions, int r
     RenderScene ready(scene, makePlan(scene), true);
     CyclesPeer cycles(ready, tbb::info::default_concurrency());
     const std::vector<float> truth = renderReady(ready, reference, 1000).values;
-    std::vector<Measurement> ours(kSamples.size());
-    std::vector<Measurement> theirs(kSamples.size());
+    std::vector<Measurement> ours(kSampleCounts.size());
+    std::vector<Measurement> theirs(kSampleCounts.size());
     cycles.render({0, 1, 0, kSize, kSize}); // its BVH
     for (int round = 0; round < rounds; ++round)
-        for (std::size_t k = 0; k < kSamples.size(); ++k)
-            for (int n = 0, frames = framesOf(kSamples[k]); n < frames; ++n) {
+        for (std::size_t k = 0; k < kSampleCounts.size(); ++k)
+            for (int n = 0, frames = framesOf(kSampleCounts[k]); n < frames; ++n) {
                 const int seed = round * frames + n + 1;
-                const RenderedImage image = renderReady(ready, kSamples[k], static_cast<std::uint32_t>(seed));
+                const RenderedImage image = renderReady(ready, kSampleCounts[k], static_cast<std::uint32_t>(seed));
                 ours[k].add(image.seconds, image.values, truth);
-                const CyclesRender render = cycles.render({0, kSamples[k], seed, kSize, kSize, true});
+                const CyclesRender render = cycles.render({0, kSampleCounts[k], seed, kSize, kSize, true});
                 theirs[k].add(render.seconds, render.image, truth);
             }
     addPoints(panel, "Taut", ours, true);

@@ -87,10 +87,10 @@ struct Shape {
 
 /// The key beside the plot has room for its longest name.
 Shape wideShape(bool titled, const std::vector<std::string> &series) {
-    constexpr int kCharacter = 8, kMark = 45; // pixels
+    constexpr int kKeyCharacter = 8, kKeyMark = 45; // pixels
     std::size_t longest = 0;
     for (const std::string &name : series) longest = std::max(longest, lengthOf(name));
-    const int width = std::max(960, kKeyLeft + kMark + kCharacter * static_cast<int>(longest));
+    const int width = std::max(960, kKeyLeft + kKeyMark + kKeyCharacter * static_cast<int>(longest));
     return {width, 500, {double(width), 500, 91.0 / width, 638.0 / width, 0.13, titled ? 0.91 : 0.97}, titled, false};
 }
 Shape narrowShape(std::size_t keyLines) {

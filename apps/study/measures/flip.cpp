@@ -170,12 +170,12 @@ Features featuresOf(const Plane &grey, double pixelsADegree) {
 }
 
 /// What is looked at of a picture: its colours as they are seen, and its features.
-struct Picture {
+struct SeenPicture {
     std::vector<Color> labs;
     Features features;
 };
 
-Picture pictureOf(std::span<const float> rgb, int width, int height, double pixelsADegree) {
+SeenPicture pictureOf(std::span<const float> rgb, int width, int height, double pixelsADegree) {
     const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
     std::array<Plane, 3> channels;
     for (Plane &plane : channels) plane = {width, height, std::vector<double>(pixels)};
@@ -188,7 +188,7 @@ Picture pictureOf(std::span<const float> rgb, int width, int height, double pixe
     }
     static constexpr std::array<std::array<double, 4>, 3> kCsf{{{1, 0.0047, 0, 1e-5}, {1, 0.0053, 0, 1e-5}, {34.1, 0.04, 13.5, 0.025}}};
     for (std::size_t k = 0; k < 3; ++k) channels[k] = seen(channels[k], kCsf[k], pixelsADegree);
-    Picture picture;
+    SeenPicture picture;
     picture.labs.reserve(pixels);
     for (std::size_t i = 0; i < pixels; ++i) {
         Color c = rgbOfOpponent({channels[0].values[i], channels[1].values[i], channels[2].values[i]});
@@ -210,8 +210,8 @@ double redistributed(double difference) {
 } // namespace
 
 std::vector<float> flip(std::span<const float> image, std::span<const float> reference, int width, int height, double pixelsADegree) {
-    const Picture a = pictureOf(image, width, height, pixelsADegree);
-    const Picture b = pictureOf(reference, width, height, pixelsADegree);
+    const SeenPicture a = pictureOf(image, width, height, pixelsADegree);
+    const SeenPicture b = pictureOf(reference, width, height, pixelsADegree);
     std::vector<float> out;
     out.reserve(a.labs.size());
     for (std::size_t i = 0; i < a.labs.size(); ++i) {

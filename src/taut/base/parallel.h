@@ -8,6 +8,9 @@
 
 namespace taut {
 
+/// Chunk for loops over vertices or faces that do little for each.
+inline constexpr std::size_t kVertexGrain = 2048;
+
 /// Calls f(i) for i in [0, count), in chunks of at least `grain`.
 template <class F> void parallelFor(std::size_t count, std::size_t grain, const F &f) {
     if (count <= grain) {

@@ -50,28 +50,28 @@ DVec3 vectorAt(const Channel &channel, const KeySpan &span) {
 }
 
 /// `q` with unit length; no rotation where it has none.
-DQuat unitOf(const DQuat &q) {
+DQuat unitRotation(const DQuat &q) {
     const double length = glm::length(q);
     return length > 0 && std::isfinite(length) ? q / length : DQuat(1, 0, 0, 0);
 }
 
 DQuat keyRotation(const Channel &channel, std::size_t key) {
     const auto part = [&](std::size_t component) { return keyComponent(channel, key, Value, component); };
-    return unitOf(DQuat(part(3), part(0), part(1), part(2)));
+    return unitRotation(DQuat(part(3), part(0), part(1), part(2)));
 }
 
 /// Spherical interpolation along the shorter of the two arcs (appendix C), of unit quaternions.
 DQuat shortestSlerp(const DQuat &from, DQuat to, double u) {
     if (glm::dot(from, to) < 0) to = -to;
     const double angle = 2 * std::atan2(glm::length(to - from), glm::length(to + from)); // keeps its digits where acos does not
-    if (angle < 1e-6) return unitOf(from + (to - from) * u);
-    return unitOf((from * std::sin((1 - u) * angle) + to * std::sin(u * angle)) / std::sin(angle));
+    if (angle < 1e-6) return unitRotation(from + (to - from) * u);
+    return unitRotation((from * std::sin((1 - u) * angle) + to * std::sin(u * angle)) / std::sin(angle));
 }
 
 DQuat rotationAt(const Channel &channel, const KeySpan &span) {
     if (channel.interpolation == Interpolation::Linear && span.previous != span.next)
         return shortestSlerp(keyRotation(channel, span.previous), keyRotation(channel, span.next), span.u);
-    return unitOf(
+    return unitRotation(
         DQuat(componentAt(channel, span, 3), componentAt(channel, span, 0), componentAt(channel, span, 1), componentAt(channel, span, 2)));
 }
 
@@ -101,7 +101,7 @@ LocalPose storedPose(const Rig &rig) {
     pose.transforms.reserve(rig.nodes.size());
     pose.morphWeights.reserve(rig.nodes.size());
     for (const Node &node : rig.nodes) {
-        pose.transforms.push_back({node.translation, unitOf(node.rotation), node.scale});
+        pose.transforms.push_back({node.translation, unitRotation(node.rotation), node.scale});
         pose.morphWeights.push_back(node.morphWeights);
     }
     return pose;

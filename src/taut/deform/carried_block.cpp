@@ -129,7 +129,7 @@ void carry(const CarryingMap &map, CarriedBlock &block, Instructions instruction
 void carryVertices(const Surface &surface, std::span<const Vec3> control, const CarryingMap &map, int carriedSide,
                    OrientationGatherer &orientation, std::atomic<bool> &finite, SurfaceGradient &out) {
     constexpr std::size_t kSize = CarriedBlock::kSize;
-    constexpr std::size_t kGrain = 2048 / kSize;
+    constexpr std::size_t kGrain = kVertexGrain / kSize;
     const std::size_t count = surface.normals.size();
     parallelFor((count + kSize - 1) / kSize, kGrain, [&](std::size_t b) {
         const std::size_t begin = b * kSize;

@@ -4,9 +4,7 @@
 
 namespace taut {
 
-namespace {
-constexpr std::size_t kGrain = 2048;
-}
+namespace {}
 
 std::vector<Vec3> restMetrics(const Surface &surface, std::span<const Vec3> restPositions) {
     std::vector<Vec3> metrics(surface.triangles.size(), Vec3(0));
@@ -26,7 +24,7 @@ std::vector<Vec3> restMetrics(const Surface &surface, std::span<const Vec3> rest
 void faceStretches(const Surface &surface, std::span<const Vec3> metrics, std::span<const Vec3> positions,
                    std::vector<SymmetricTensor> &out) {
     if (out.size() != metrics.size()) out.resize(metrics.size());
-    parallelFor(metrics.size(), kGrain, [&](std::size_t i) {
+    parallelFor(metrics.size(), kVertexGrain, [&](std::size_t i) {
         const Vec3 &g = metrics[i];
         const Index3 &t = surface.triangles[i];
         const Vec3 a = positions[t.y] - positions[t.x];

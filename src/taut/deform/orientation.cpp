@@ -7,12 +7,11 @@
 namespace taut {
 
 void orientationOfPoints(const MotionState &motion, const SkinWeights &skin, Orientation &out) {
-    constexpr std::size_t kGrain = 2048;
     const std::size_t count = motion.control.size();
     OrientationGatherer gatherer(motion.mirrored, motion.turnsVary(skin), count, out);
     const int placed = motion.placedSide();
     if (motion.turnsVary(skin))
-        parallelFor(count, kGrain, [&](std::size_t v) {
+        parallelFor(count, kVertexGrain, [&](std::size_t v) {
             const Affine map = blendedTransform(skin, v, motion.joints, motion.carrier);
             int side = orientationOf(DMat3(linearOf(map))) * placed;
             DVec3 x(transformPoint(map, motion.control[v]));

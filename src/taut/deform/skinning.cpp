@@ -8,14 +8,12 @@ namespace taut {
 namespace {
 
 /// Vertices a task takes at a time: enough to hide its cost.
-constexpr std::size_t kGrain = 2048;
-
 /// values + sum of weights times deltas, those of the morphs by `deltas`.
 void addMorphs(const std::vector<Vec3> &values, const std::vector<MorphTarget> &morphs, const std::vector<float> &weights,
                std::vector<Vec3> MorphTarget::*deltas, std::vector<Vec3> &out) {
     if (out.size() != values.size()) out.resize(values.size());
     const std::size_t count = std::min(morphs.size(), weights.size());
-    parallelFor(values.size(), kGrain, [&](std::size_t v) {
+    parallelFor(values.size(), kVertexGrain, [&](std::size_t v) {
         Vec3 sum = values[v];
         for (std::size_t m = 0; m < count; ++m)
             if (weights[m] != 0 && v < (morphs[m].*deltas).size()) sum += weights[m] * (morphs[m].*deltas)[v];
@@ -28,7 +26,7 @@ void addMorphs(const std::vector<Vec3> &values, const std::vector<MorphTarget> &
 void skinPositions(const SkinWeights &skin, std::span<const Affine> joints, const Affine &fallback, std::span<const Vec3> positions,
                    std::vector<Vec3> &out) {
     if (out.size() != positions.size()) out.resize(positions.size());
-    parallelFor(positions.size(), kGrain,
+    parallelFor(positions.size(), kVertexGrain,
                 [&](std::size_t v) { out[v] = transformPoint(blendedTransform(skin, v, joints, fallback), positions[v]); });
 }
 

@@ -16,8 +16,6 @@ namespace taut {
 
 namespace {
 
-constexpr std::size_t kGrain = 2048;
-
 void resizeAll(SurfaceGradient &out, std::size_t count) {
     for (auto *array : {&out.position, &out.f1, &out.f2, &out.normal})
         if (array->size() != count) array->resize(count);
@@ -217,7 +215,7 @@ void evaluateGradient(const Surface &surface, const MotionState &motion, const S
         if (!finite) throwNotFinite(name);
         return;
     }
-    parallelFor(count, kGrain, [&](std::size_t s) {
+    parallelFor(count, kVertexGrain, [&](std::size_t s) {
         int side = carried;
         const Vec3 x = motion.control[surface.surfacePosition[s]];
         auto [f1, f2, n] = surface.frameAt(s);
@@ -294,11 +292,11 @@ void fitGradient(const Surface &surface, std::span<const Vec3> renderPoints, con
     const bool onLimit = surface.onLimit();
     if (onLimit) {
         if (out.points.size() != renderPoints.size()) out.points.resize(renderPoints.size());
-        parallelFor(renderPoints.size(), kGrain, [&](std::size_t i) { out.points[i] = Vec4(renderPoints[i], 0); });
+        parallelFor(renderPoints.size(), kVertexGrain, [&](std::size_t i) { out.points[i] = Vec4(renderPoints[i], 0); });
     }
     out.orientation.mirrored = points.mirrored;
     out.orientation.at.resize(points.at.empty() ? 0 : count);
-    parallelFor(count, kGrain, [&](std::size_t s) {
+    parallelFor(count, kVertexGrain, [&](std::size_t s) {
         const bool mirrored = isMirroredAt(surface, s, points);
         if (!points.at.empty()) out.orientation.at[s] = mirrored ? -1 : 1;
         bool known = surface.stencilOffsets[s] != surface.stencilOffsets[s + 1];
@@ -328,7 +326,7 @@ void fitGradient(const Surface &surface, std::span<const Vec3> renderPoints, con
 void evaluatePositions(const MotionState &motion, const SkinWeights &skin, std::vector<Vec3> &out) {
     skinPositions(skin, motion.joints, motion.carrier, motion.control, out);
     if (motion.deformers.empty()) return;
-    parallelFor(out.size(), kGrain, [&](std::size_t v) {
+    parallelFor(out.size(), kVertexGrain, [&](std::size_t v) {
         DVec3 x(out[v]);
         for (const Deformer &deformer : motion.deformers) x = deform(deformer, x).position;
         out[v] = Vec3(DVec3(motion.renderFromDeformed * DVec4(x, 1)));
@@ -340,7 +338,7 @@ void spreadToVertices(const Surface &surface, const SurfaceGradient &gradient, D
     if (out.positions.size() != count + 1) out.positions.resize(count + 1);
     for (auto *array : {&out.normals, &out.ds, &out.dt})
         if (array->size() != count) array->resize(count);
-    parallelFor(count, kGrain, [&](std::size_t v) {
+    parallelFor(count, kVertexGrain, [&](std::size_t v) {
         const VertexGradient g = gradientAt(surface, gradient, v);
         out.positions[v] = gradient.position[surface.vertexSurface[v]];
         out.normals[v] = g.n;
@@ -350,7 +348,7 @@ void spreadToVertices(const Surface &surface, const SurfaceGradient &gradient, D
 }
 
 void setRestFrom(Surface &surface, const SurfaceGradient &gradient) {
-    parallelFor(surface.vertexCount(), kGrain, [&](std::size_t v) {
+    parallelFor(surface.vertexCount(), kVertexGrain, [&](std::size_t v) {
         Vec4 &k = surface.tangentCoefficients[v];
         const auto [ds, dt, n] = gradientAt(surface, gradient, v);
         // A = [[a, b], [0, d]] in the frame with s along ds; [ds dt] A^-1 is orthonormal.

@@ -14,8 +14,6 @@ namespace taut {
 
 namespace {
 
-constexpr std::size_t kRows = 2048;
-
 /// One attribute of the vertices under its USD name and type.
 struct Sampled {
     std::string declaration; ///< "vector3f[] primvars:taut:ds"
@@ -42,7 +40,7 @@ std::vector<Sampled> sampledAttributes(const GlossMesh &mesh) {
 template <class Sink> void writeFloatArray(int width, std::size_t stride, const float *data, std::size_t count, const Sink &sink) {
     sink("[");
     writeBlocks(
-        count, kRows,
+        count, kTextRows,
         [&](std::size_t begin, std::size_t end, std::string &text) {
             for (std::size_t v = begin; v < end; ++v) {
                 if (v != 0) text += ", ";
@@ -61,7 +59,7 @@ template <class Sink> void writeFloatArray(int width, std::size_t stride, const 
 template <class Value, class Sink> void writeIntArray(std::size_t count, const Value &value, const Sink &sink) {
     sink("[");
     writeBlocks(
-        count, kRows,
+        count, kTextRows,
         [&](std::size_t begin, std::size_t end, std::string &text) {
             for (std::size_t i = begin; i < end; ++i) {
                 if (i != 0) text += ", ";

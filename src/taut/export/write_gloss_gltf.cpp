@@ -18,12 +18,10 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr std::size_t kRows = 16384;
 constexpr int kFloat = 5126;
 constexpr int kUnsignedInt = 5125;
 constexpr int kArrayBuffer = 34962;
 constexpr int kElementArrayBuffer = 34963;
-constexpr std::uint64_t kMostBytes = 0xffffffffU;
 
 /// Bytes of the binary buffer, each made when it is written.
 struct Chunk {
@@ -145,7 +143,7 @@ std::string escapedUri(const std::string &name) {
 void writeChunks(OutputFile &out, const std::vector<Chunk> &chunks) {
     for (const Chunk &chunk : chunks)
         writeBlocks(
-            chunk.rows, kRows,
+            chunk.rows, kBinaryRows,
             [&](std::size_t begin, std::size_t end, std::string &bytes) {
                 bytes.resize((end - begin) * chunk.rowBytes);
                 chunk.fill(begin, end, bytes.data());
@@ -153,16 +151,12 @@ void writeChunks(OutputFile &out, const std::vector<Chunk> &chunks) {
             [&](const std::string &bytes) { out.write(bytes); });
 }
 
-void append32(std::string &out, std::uint64_t value) {
-    const auto word = static_cast<std::uint32_t>(value);
-    out.append(reinterpret_cast<const char *>(&word), 4);
-}
-
 void writeGlb(const std::string &path, const GltfBuilder &builder) {
     std::string json = builder.json.dump();
     json.append((4 - json.size() % 4) % 4, ' ');
     const std::uint64_t total = 12 + 8 + json.size() + 8 + builder.bytes();
-    if (total > kMostBytes) throw RunError(path + ": a .glb of more than 4 GB cannot be written; export fewer vertices or another format");
+    if (total > kMostBytes32)
+        throw RunError(path + ": a .glb of more than 4 GB cannot be written; export fewer vertices or another format");
     OutputFile out(path);
     std::string header = "glTF";
     append32(header, 2);

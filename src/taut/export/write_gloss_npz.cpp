@@ -13,10 +13,6 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little);
 
-constexpr std::size_t kRows = 16384;
-/// Plain ZIP counts bytes in 32 bits.
-constexpr std::uint64_t kMostBytes = 0xffffffffU;
-
 // --- CRC-32 (ISO-HDLC, polynomial 0xedb88320), eight bytes at a time (Kounavis & Berry 2008, "slicing by 8") ----------------
 
 using CrcTables = std::array<std::array<std::uint32_t, 256>, 8>;
@@ -53,15 +49,6 @@ std::uint32_t crc32(std::uint32_t crc, std::string_view bytes) {
 
 // --- the archive -------------------------------------------------------------------------------------------------------------
 
-void append16(std::string &out, unsigned value) {
-    out += static_cast<char>(value & 0xffU);
-    out += static_cast<char>(value >> 8 & 0xffU);
-}
-void append32(std::string &out, std::uint64_t value) {
-    append16(out, static_cast<unsigned>(value & 0xffffU));
-    append16(out, static_cast<unsigned>(value >> 16 & 0xffffU));
-}
-
 class NpzFile {
   public:
     explicit NpzFile(const std::string &path) : path_(path), out_(path) {}
@@ -79,13 +66,13 @@ class NpzFile {
         npy += header;
 
         Entry entry{name + ".npy", 0, npy.size() + std::uint64_t{rows} * rowBytes, position_};
-        if (position_ + entry.size + 4096 > kMostBytes)
+        if (position_ + entry.size + 4096 > kMostBytes32) // plain ZIP counts them so
             throw RunError(path_ + ": an .npz of more than 4 GB cannot be written; export fewer vertices or another format");
         write(localHeader(entry));
         write(npy);
         entry.crc = crc32(0, npy);
         writeBlocks(
-            rows, kRows,
+            rows, kBinaryRows,
             [&](std::size_t begin, std::size_t end, std::string &bytes) {
                 bytes.resize((end - begin) * rowBytes);
                 fill(begin, end, bytes.data());

@@ -11,9 +11,6 @@ namespace taut {
 
 namespace {
 
-constexpr std::size_t kBinaryRows = 16384;
-constexpr std::size_t kTextRows = 2048;
-
 static_assert(std::endian::native == std::endian::little);
 
 void writeBinaryRows(OutputFile &out, const std::vector<VertexColumn> &columns, std::size_t count) {

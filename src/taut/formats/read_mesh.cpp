@@ -11,14 +11,14 @@ namespace taut {
 
 namespace {
 
-constexpr std::array<std::string_view, 4> kExtensions{"obj", "ply", "off", "stl"};
+constexpr std::array<std::string_view, 4> kMeshExtensions{"obj", "ply", "off", "stl"};
 
 /// Keeps every count within Index: a corner takes at least one byte in every format.
 constexpr std::size_t kLargestFile = 0xfffffffeU;
 
 Mesh readByExtension(const std::string &path, Warnings &warnings) {
     const std::string extension = lowerExtension(path);
-    if (!isMeshPath(path)) failUnknownName({path, 0, 0, -1}, extension, kExtensions);
+    if (!isMeshPath(path)) failUnknownName({path, 0, 0, -1}, extension, kMeshExtensions);
     const std::string bytes = readFileBytes(path);
     if (bytes.size() > kLargestFile) throw InputError(path + ": found " + std::to_string(bytes.size()) + " bytes, expected at most 4 GiB");
     if (const std::string_view mark = std::string_view(bytes).substr(0, 2);
@@ -132,7 +132,7 @@ void normaliseNormals(Mesh &mesh) {
 }
 
 bool isMeshPath(const std::string &path) {
-    return std::find(kExtensions.begin(), kExtensions.end(), lowerExtension(path)) != kExtensions.end();
+    return std::find(kMeshExtensions.begin(), kMeshExtensions.end(), lowerExtension(path)) != kMeshExtensions.end();
 }
 
 Mesh readMesh(const std::string &path, Warnings &warnings) {

@@ -25,13 +25,13 @@ constexpr std::size_t kWedgeUvs = 18;     ///< u, v of each corner of a face
 constexpr std::size_t kStripIndices = 19; ///< triangle strips one after the other, -1 between them
 
 /// How an ASCII body is read: an element a line, or words wherever they stand.
-enum class Layout { Lines, Words };
+enum class BodyLayout { Lines, Words };
 
 /// The values of the body, ASCII or binary, one after the other.
 class Body {
   public:
-    Body(std::string_view bytes, const PlyHeader &header, TextScanner scanner, std::string path, Layout layout)
-        : bytes_(bytes), header_(header), scanner_(std::move(scanner)), path_(std::move(path)), lines_(layout == Layout::Lines),
+    Body(std::string_view bytes, const PlyHeader &header, TextScanner scanner, std::string path, BodyLayout layout)
+        : bytes_(bytes), header_(header), scanner_(std::move(scanner)), path_(std::move(path)), lines_(layout == BodyLayout::Lines),
           pos_(scanner_.position()) {}
 
     /// Elements stand on lines of their own; blank lines between them are skipped.
@@ -318,7 +318,7 @@ Mesh readPly(std::string_view bytes, const std::string &path, Warnings &warnings
                        element.where);
     }
     PlyMesh mesh(header, parts, wedgeUvs, static_cast<std::size_t>(vertex.count));
-    Body lines(bytes, header, scanner, path, Layout::Lines);
+    Body lines(bytes, header, scanner, path, BodyLayout::Lines);
     try {
         mesh.read(lines);
         if (!lines.onlyBlanksLeft()) warnings.add(path + ": what follows the last element of the header was not read");
@@ -326,7 +326,7 @@ Mesh readPly(std::string_view bytes, const std::string &path, Warnings &warnings
         // Some writers wrap lines, or write several elements on one. The same words are such a file if not one is too many or too few.
         if (!header.ascii) throw;
         PlyMesh again(header, parts, wedgeUvs, static_cast<std::size_t>(vertex.count));
-        Body words(bytes, header, scanner, path, Layout::Words);
+        Body words(bytes, header, scanner, path, BodyLayout::Words);
         bool fits = true;
         try {
             again.read(words);

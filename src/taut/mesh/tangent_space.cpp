@@ -20,9 +20,9 @@ struct Triangle {
     std::array<Index, 3> groups{kNone, kNone, kNone};
 };
 
-class Builder {
+class TangentBuilder {
   public:
-    Builder(const Mesh &mesh, std::span<const Vec3> positions, std::span<const Vec3> normals)
+    TangentBuilder(const Mesh &mesh, std::span<const Vec3> positions, std::span<const Vec3> normals)
         : mesh_(mesh), positions_(positions), normals_(normals) {}
 
     TangentSpace build() {
@@ -199,7 +199,7 @@ class Builder {
 } // namespace
 
 TangentSpace tangentSpace(const Mesh &mesh, std::span<const Vec3> positions, std::span<const Vec3> normals) {
-    return Builder(mesh, positions, normals).build();
+    return TangentBuilder(mesh, positions, normals).build();
 }
 
 } // namespace taut

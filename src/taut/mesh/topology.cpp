@@ -68,9 +68,10 @@ Index number(OpenMesh::BaseHandle handle) {
 
 /// OpenMesh takes what is manifold and of one orientation. A face that it refuses, or that hangs on a crowded position, gets
 /// vertices of its own; where edges that came apart so have the same ends, they are put together again.
-class Builder {
+class TopologyCounter {
   public:
-    Builder(const Mesh &mesh, const std::vector<Index> &canonical) : positionOf_(mesh.positions.size()), facesAt_(mesh.positions.size()) {
+    TopologyCounter(const Mesh &mesh, const std::vector<Index> &canonical)
+        : positionOf_(mesh.positions.size()), facesAt_(mesh.positions.size()) {
         std::iota(positionOf_.begin(), positionOf_.end(), Index{0});
         for (std::size_t v = 0; v < positionOf_.size(); ++v) edges_.new_vertex();
         for (const Index position : mesh.cornerPositions) ++facesAt_[canonical[position]];
@@ -168,7 +169,7 @@ class Builder {
 } // namespace
 
 Topology topologyOf(const Mesh &mesh, bool weld) {
-    return Builder(mesh, weldPositions(mesh, weld)).count();
+    return TopologyCounter(mesh, weldPositions(mesh, weld)).count();
 }
 
 std::vector<Vec3> pointsOfFaces(const Mesh &mesh, const std::vector<Vec3> &positions) {

@@ -23,7 +23,7 @@ bool project(const Vec3 &p, double fovY, double orthoHeight, int height, Vec2 &p
     return true;
 }
 
-void put(float *out, const Vec3 &v) {
+void putVector(float *out, const Vec3 &v) {
     for (int c = 0; c < 3; ++c) out[c] = v[c];
 }
 
@@ -118,10 +118,10 @@ bool writeDenoiseFeatures(const RenderScene &scene, const SurfacePoint &point, c
                           float *out) {
     const Mat3 worldFromRender(DMat3(scene.worldFromRender()));
     const Vec3 n = worldFromRender * point.facet.n;
-    put(out + kNormal, n);
-    put(out + kAlbedo, glm::clamp(point.baseColor, Vec3(0), Vec3(kMostAlbedo)));
+    putVector(out + kNormal, n);
+    putVector(out + kAlbedo, glm::clamp(point.baseColor, Vec3(0), Vec3(kMostAlbedo)));
     out[kDepth] = logOf(-point.position.z);
-    put(out + kHalfway, n - 0.5F * (worldFromRender * wo));
+    putVector(out + kHalfway, n - 0.5F * (worldFromRender * wo));
     const Vec2 stretch = singularValues(point.stretch.x, point.stretch.y, point.stretch.y, point.stretch.z);
     out[kLogStretch] = logOf(stretch.x);
     out[kLogStretch + 1] = logOf(stretch.y);

@@ -19,7 +19,7 @@ constexpr std::string_view kDenoise = "+denoise2";
 /// Sums of shared samples follow.
 constexpr std::string_view kShares = "+shared1";
 /// Pixels that are read or written at once.
-constexpr std::size_t kBlock = 4096;
+constexpr std::size_t kFilmBlock = 4096;
 /// Before the words of layers, among the names of AOVs.
 constexpr char kLayerMark = '+';
 /// Bytes of a stream that can't tell how many it has.
@@ -165,8 +165,8 @@ void Film::save(std::ostream &out) const {
     const std::array<std::int32_t, 4> window{window_.x0, window_.y0, window_.x1, window_.y1};
     writeRaw(out, window.data(), window.size());
     std::vector<unsigned char> bytes;
-    for (std::size_t first = 0; first < counts_.size(); first += kBlock) {
-        const std::size_t block = std::min(kBlock, counts_.size() - first);
+    for (std::size_t first = 0; first < counts_.size(); first += kFilmBlock) {
+        const std::size_t block = std::min(kFilmBlock, counts_.size() - first);
         bytes.clear();
         packCounts({counts_.data() + first, block}, bytes);
         packCounts({hits_.data() + first, block}, bytes);
@@ -220,8 +220,8 @@ Film Film::load(std::istream &in) {
     film.hits_.reserve(pixels);
     film.sums_.reserve(pixels * film.stride_);
     Unpacker unpacker(in);
-    for (std::size_t first = 0; first < pixels; first += kBlock) {
-        const std::size_t last = std::min(first + kBlock, pixels);
+    for (std::size_t first = 0; first < pixels; first += kFilmBlock) {
+        const std::size_t last = std::min(first + kFilmBlock, pixels);
         film.counts_.resize(last);
         film.hits_.resize(last);
         unpacker.counts({film.counts_.data() + first, last - first});

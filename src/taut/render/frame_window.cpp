@@ -6,13 +6,8 @@
 
 namespace taut {
 
-namespace {
-
-constexpr int kTile = AdaptivePasses::kTile;
-
-} // namespace
-
 std::vector<Window> tilesOf(const Window &window) {
+    constexpr int kTile = AdaptivePasses::kTile;
     std::vector<Window> tiles;
     for (int y = window.y0 / kTile * kTile; y < window.y1; y += kTile)
         for (int x = window.x0 / kTile * kTile; x < window.x1; x += kTile)

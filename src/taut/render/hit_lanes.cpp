@@ -290,6 +290,7 @@ void view(HitLanes &lanes, const LaneMaterial &material, const EventNumbers &num
         if (numbers.lights > 1) Loops::choiceNumbers(lanes, numbers);
         const BsdfInfo &info = bsdfInfo(material.bsdf.type);
         std::fill_n(lanes.scattersAlone, lanes.padded(), material.scattersAlone ? 1 : 0);
+        std::fill_n(lanes.correlated, lanes.padded(), material.bsdf.correlated ? 1 : 0);
         if (info.microsurface || lanes.leans) setLambda(lanes, material.prepared->material->poisson);
         setLeans(lanes);
         if (material.layered) startCoat(lanes);

@@ -70,7 +70,8 @@ struct alignas(64) HitLanes {
     float p[kSize], q[kSize];
     int inRange[kSize]; ///< whether a, b, d are M's; else singular values are to be clamped
     float length[kSize], area[kSize], capBound[kSize], pdfScale[kSize];
-    Vectors reflected; ///< of kinds with several lobes: by the facets, on average; and what they cover
+    int correlated[kSize]; ///< Bsdf::correlated
+    Vectors reflected;     ///< of kinds with several lobes: by the facets, on average; and what they cover
     float cover[kSize];
     float facets[kSize], diffuse[kSize], kept[kSize]; ///< LobeShares
     float coated[kSize], under[kSize];                ///< and of those with layers: LobeShares::coat and under

@@ -3,8 +3,9 @@
 #include "taut/render/denoise_sums.h"
 #include "taut/render/path_state.h"
 
+#include "taut/base/stopwatch.h"
+
 #include <algorithm>
-#include <chrono>
 
 namespace taut {
 
@@ -12,13 +13,6 @@ namespace {
 
 /// Most paths in flight a thread.
 constexpr int kMostPaths = 2048;
-
-double secondsSince(std::chrono::steady_clock::time_point &start) {
-    const auto now = std::chrono::steady_clock::now();
-    const double seconds = std::chrono::duration<double>(now - start).count();
-    start = now;
-    return seconds;
-}
 
 } // namespace
 
@@ -116,7 +110,7 @@ bool PathTracer::traceTile(const Window &tile, int firstSample, int lastSample, 
     const FirstHitOutputs outputs{film.aovs(), static_cast<std::size_t>(film.aovChannels())};
     if (film.denoiseSums() != nullptr) s.probeTile(tile, access, times);
     for (int first = firstSample; first < lastSample; first += step) {
-        auto clock = std::chrono::steady_clock::now();
+        Stopwatch watch;
         s.startPaths(tile, first, std::min(first + step, lastSample));
         s.aovs.assign(s.paths.size() * outputs.channels, 0.0F);
         s.startLayers();
@@ -128,17 +122,17 @@ bool PathTracer::traceTile(const Window &tile, int firstSample, int lastSample, 
                 auto &into = event == 0 ? s.settings.record->camera : s.settings.record->scattered;
                 into.insert(into.end(), s.rays.begin(), s.rays.end());
             }
-            times.shading += secondsSince(clock);
+            times.shading += watch.lap();
             s.intersect(event);
-            (event == 0 ? times.cameraRays : times.scatteredRays) += secondsSince(clock);
+            (event == 0 ? times.cameraRays : times.scatteredRays) += watch.lap();
             if (s.hasMedia) s.attenuate();
             s.shadeAll(event, outputs);
-            times.shading += secondsSince(clock);
+            times.shading += watch.lap();
             counts.shadow += s.shadowRays.size();
             if (s.settings.record != nullptr)
                 s.settings.record->shadow.insert(s.settings.record->shadow.end(), s.shadowRays.begin(), s.shadowRays.end());
             s.testShadows(event);
-            times.shadowRays += secondsSince(clock);
+            times.shadowRays += watch.lap();
         }
         const std::lock_guard lock(access.lock);
         for (std::size_t i = 0; i < s.paths.size(); ++i) {
@@ -154,7 +148,7 @@ bool PathTracer::traceTile(const Window &tile, int firstSample, int lastSample, 
             if (SharedSums *sums = film.sharedSums(); sums != nullptr && s.settings.shared)
                 sums->add(path.x, path.y, sharedSample(*s.settings.shared, path.x, path.y, s.places[i]), path.radiance, path.alpha);
         }
-        times.film += secondsSince(clock);
+        times.film += watch.lap();
     }
     return true;
 }

@@ -7,7 +7,8 @@ namespace taut {
 namespace {
 
 template <class Kind, bool kCorrelated> TAUT_INLINE LobeView lobeViewOf(const HitLanes &l, std::size_t i, const Bsdf &bsdf) {
-    LobeView view{l.length[i], l.area[i], l.pdfScale[i], kCorrelated, relativeIndex<Kind>(l, i, bsdf), {}};
+    const bool correlated = Kind::kInfo.refracts ? kCorrelated : l.correlated[i] != 0;
+    LobeView view{l.length[i], l.area[i], l.pdfScale[i], correlated, relativeIndex<Kind>(l, i, bsdf), {}};
     if constexpr (kHasShares<Kind>) view.shares.facets = l.facets[i];
     if constexpr (kHasShares<Kind> && Kind::kInfo.reads(kMetallicKey)) {
         view.shares.diffuse = l.diffuse[i];
@@ -27,10 +28,10 @@ TAUT_INLINE Vec3 toCoat(const HitLanes &coat, std::size_t i, const Vec3 &w) {
 TAUT_INLINE Vec3 fromCoat(const HitLanes &coat, std::size_t i, const Vec3 &w) {
     return selected(coat.tilted[i] != 0, coat.s.at(i) * w.x + coat.t.at(i) * w.y + coat.n.at(i) * w.z, w);
 }
-template <bool kCorrelated> TAUT_INLINE clear_coat::Seen coatOf(const HitLanes &l, std::size_t i) {
+TAUT_INLINE clear_coat::Seen coatOf(const HitLanes &l, std::size_t i) {
     const HitLanes &coat = *l.coat;
     return {microOf<true>(coat, i),
-            {coat.length[i], coat.area[i], coat.pdfScale[i], kCorrelated, 1, {}},
+            {coat.length[i], coat.area[i], coat.pdfScale[i], l.correlated[i] != 0, 1, {}},
             l.coatReflected[i],
             coat.woLocal.at(i)};
 }
@@ -43,7 +44,7 @@ TAUT_INLINE BsdfEval evaluateLane(const HitLanes &l, std::size_t i, const Bsdf &
     const MicroTransform m = microOf<kLeans<Kind>>(l, i);
     BsdfEval above;
     if constexpr (kLayered<Kind>) {
-        above = Kind::Class::aboveCoated(bsdf, m, view, coatOf<kCorrelated>(l, i), l.woLocal.at(i), wi, toCoat(*l.coat, i, wi));
+        above = Kind::Class::aboveCoated(bsdf, m, view, coatOf(l, i), l.woLocal.at(i), wi, toCoat(*l.coat, i, wi));
     } else {
         above = Kind::Class::above(bsdf, m, view, l.woLocal.at(i), wi);
     }
@@ -253,19 +254,27 @@ template <class Loop> TAUT_INLINE void bySeveral(const HitLanes &lanes, const La
     });
 }
 
+/// Also with how facets mask each other, where that takes a loop of its own: what refracts needs other functions for correlated heights;
+/// others select (HitLanes::correlated).
+template <class Kind, bool kSeveral, class Loop> TAUT_INLINE void byMasking(const LaneMaterial &material, const Loop &loop) {
+    if constexpr (Kind::kInfo.refracts && !kSeveral)
+        if (!material.bsdf.correlated) return loop(std::false_type());
+    loop(std::true_type());
+}
+
 #define TAUT_LOOPS(NAME, ...)                                                                                                              \
     struct NAME {                                                                                                                          \
         template <class Kind, bool kSeveral>[[gnu::flatten __VA_ARGS__]] static void connect(HitLanes &l, const LaneMaterial &m) {         \
-            m.bsdf.correlated ? connectLoop<Kind, true, kSeveral>(l, m) : connectLoop<Kind, false, kSeveral>(l, m);                        \
+            byMasking<Kind, kSeveral>(m, [&](auto correlated) { connectLoop<Kind, correlated(), kSeveral>(l, m); });                       \
         }                                                                                                                                  \
         template <class Kind, bool kSeveral>[[gnu::flatten __VA_ARGS__]] static void mirror(HitLanes &l, const LaneMaterial &m) {          \
-            m.bsdf.correlated ? mirrorLoop<Kind, true, kSeveral>(l, m) : mirrorLoop<Kind, false, kSeveral>(l, m);                          \
+            byMasking<Kind, kSeveral>(m, [&](auto correlated) { mirrorLoop<Kind, correlated(), kSeveral>(l, m); });                        \
         }                                                                                                                                  \
         template <class Kind, bool kSeveral>[[gnu::flatten __VA_ARGS__]] static void direction(HitLanes &l, const LaneMaterial &m) {       \
             directionLoop<Kind, kSeveral>(l, m);                                                                                           \
         }                                                                                                                                  \
         template <class Kind, bool kSeveral>[[gnu::flatten __VA_ARGS__]] static void scatter(HitLanes &l, const LaneMaterial &m) {         \
-            m.bsdf.correlated ? scatterLoop<Kind, true, kSeveral>(l, m) : scatterLoop<Kind, false, kSeveral>(l, m);                        \
+            byMasking<Kind, kSeveral>(m, [&](auto correlated) { scatterLoop<Kind, correlated(), kSeveral>(l, m); });                       \
         }                                                                                                                                  \
         [[gnu::flatten __VA_ARGS__]] static void cones(HitLanes &l) { conesLoop(l); }                                                      \
         [[gnu::flatten __VA_ARGS__]] static void coatCones(HitLanes &l) { coatConesLoop(l); }                                              \

@@ -5,7 +5,7 @@ namespace taut {
 namespace {
 
 /// Pixels are visited in blocks of this side, one sample each, so that 16 neighbouring camera rays make one packet.
-constexpr int kBlock = 4;
+constexpr int kPixelBlock = 4;
 
 } // namespace
 
@@ -17,10 +17,10 @@ void PathTracer::State::startPaths(const Window &tile, int firstSample, int last
     CameraLanes &l = *cameraLanes;
     l.count = 0;
     for (int sample = firstSample; sample < lastSample; ++sample)
-        for (int by = tile.y0; by < tile.y1; by += kBlock)
-            for (int bx = tile.x0; bx < tile.x1; bx += kBlock)
-                for (int y = by; y < std::min(by + kBlock, tile.y1); ++y)
-                    for (int x = bx; x < std::min(bx + kBlock, tile.x1); ++x) {
+        for (int by = tile.y0; by < tile.y1; by += kPixelBlock)
+            for (int bx = tile.x0; bx < tile.x1; bx += kPixelBlock)
+                for (int y = by; y < std::min(by + kPixelBlock, tile.y1); ++y)
+                    for (int x = bx; x < std::min(bx + kPixelBlock, tile.x1); ++x) {
                         l.x[l.count] = x;
                         l.y[l.count] = y;
                         l.sample[l.count] = static_cast<std::uint32_t>(sample);

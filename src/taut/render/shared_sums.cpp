@@ -12,7 +12,7 @@ namespace taut {
 namespace {
 
 /// Pixels that are read at once: a damaged head asks for no more memory than its file is worth.
-constexpr std::size_t kBlock = 4096;
+constexpr std::size_t kSumBlock = 4096;
 constexpr std::size_t kSaved = 9; ///< of kShares: those that are shares
 constexpr bool isShare(std::size_t k) {
     return k % 4 < 3;
@@ -89,9 +89,9 @@ void SharedSums::copy(const SharedSums &from, const Window &part) {
 
 void SharedSums::save(std::ostream &out) const {
     std::vector<float> values;
-    for (std::size_t first = 0; first < pixels_.size(); first += kBlock) {
+    for (std::size_t first = 0; first < pixels_.size(); first += kSumBlock) {
         values.clear();
-        for (std::size_t p = first; p < std::min(first + kBlock, pixels_.size()); ++p)
+        for (std::size_t p = first; p < std::min(first + kSumBlock, pixels_.size()); ++p)
             for (const auto &shares : pixels_[p])
                 for (std::size_t k = 0; k < kShares; ++k)
                     if (isShare(k)) values.push_back(shares[k]);
@@ -105,7 +105,7 @@ SharedSums SharedSums::load(std::istream &in, const Window &window) {
     const std::size_t pixels = window.empty() ? 0 : static_cast<std::size_t>(window.width()) * static_cast<std::size_t>(window.height());
     std::vector<float> values;
     while (sums.pixels_.size() < pixels) {
-        const std::size_t count = std::min(kBlock, pixels - sums.pixels_.size());
+        const std::size_t count = std::min(kSumBlock, pixels - sums.pixels_.size());
         values.resize(count * kValues * kSaved);
         if (!in.read(reinterpret_cast<char *>(values.data()), static_cast<std::streamsize>(values.size() * sizeof(float))))
             throw InputError("film: found its end early, expected what its pixels share");
