@@ -1,5 +1,6 @@
 # Sources of one folder are compiled together, so many at a time: what they all include, mostly the standard library, is read and
-# instantiated once. Sources with compile options of their own are compiled alone. Names in unnamed namespaces are thus one folder's.
+# instantiated once. Sources with compile options of their own, or SKIP_UNITY_BUILD_INCLUSION, are compiled alone. So names in unnamed
+# namespaces are to be one folder's.
 #
 #   taut_unity(target most)
 function(taut_unity target most)
@@ -14,6 +15,10 @@ function(taut_unity target most)
         cmake_path(IS_PREFIX PROJECT_SOURCE_DIR "${source}" NORMALIZE ours)
         if(NOT ours OR NOT source MATCHES "[.]cpp$")
             continue()
+        endif()
+        get_source_file_property(alone "${source}" SKIP_UNITY_BUILD_INCLUSION)
+        if(alone)
+            continue() # nor does it move others to another group
         endif()
         cmake_path(RELATIVE_PATH source BASE_DIRECTORY "${PROJECT_SOURCE_DIR}" OUTPUT_VARIABLE folder)
         cmake_path(GET folder PARENT_PATH folder)

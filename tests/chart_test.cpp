@@ -285,6 +285,7 @@ TEST_CASE("chart: what measures is a program of its own, beside the command", "[
     CHECK(help.exitCode == 0);
     CHECK_THAT(help.out, Catch::Contains("Usage: taut chart") && Catch::Contains("microgeometry: ") && Catch::Contains("--against"));
     CHECK_THAT(runTaut({"--help"}).out, Catch::Contains("chart "));
+    CHECK_THAT(errorLine(runTaut({"chart", "--quick", "--", "precison"})), Catch::Contains("did you mean 'precision'?"));
     const std::string folder = freshFolder("chart_alone");
     std::filesystem::copy_file(TAUT_COMMAND, folder + "/taut");
     const CommandResult alone = runProgram({folder + "/taut", "chart", "precision"}, 60);

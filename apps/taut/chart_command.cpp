@@ -7,7 +7,10 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <string>
 #include <unistd.h>
+#include <utility>
+#include <vector>
 
 namespace taut::app {
 
@@ -17,7 +20,9 @@ namespace fs = std::filesystem;
 
 /// Becomes the program, with all that follows `chart`; its exit code is that of the subcommand.
 int run(const std::vector<std::string> &rest) {
-    const fs::path program = thisProgram().parent_path() / "taut_charts";
+    const fs::path folder = thisProgram().parent_path();
+    if (folder.empty()) throw RunError("chart: where this program is could not be found out, and taut_charts is beside it");
+    const fs::path program = folder / "taut_charts";
     std::error_code error;
     if (!fs::exists(program, error))
         throw RunError("chart: found no program " + program.string() +
@@ -33,11 +38,10 @@ int run(const std::vector<std::string> &rest) {
 
 } // namespace
 
-void addChart(CLI::App &parent, Run &run_) {
+void addChart(CLI::App &parent, Run &run_, std::vector<std::string> rest) {
     CLI::App *command = parent.add_subcommand("chart", "Measures speed against accuracy and writes a report");
-    command->set_help_flag(); // it is the program's
-    command->prefix_command();
-    command->callback([&run_, command] { run_ = [rest = command->remaining()] { return run(rest); }; });
+    command->footer("taut chart --help lists the charts and the options");
+    command->callback([&run_, rest = std::move(rest)] { run_ = [rest] { return run(rest); }; });
 }
 
 } // namespace taut::app

@@ -3,6 +3,8 @@
 
 #include "commands.h"
 
+#include <functional>
+
 namespace taut::app {
 
 using AddCommands = std::function<void(CLI::App &parent, Run &run)>;

@@ -19,7 +19,8 @@ void addInfo(CLI::App &parent, Run &run);
 void addExport(CLI::App &parent, Run &run);
 void addProbe(CLI::App &parent, Run &run);
 void addView(CLI::App &parent, Run &run);
-void addChart(CLI::App &parent, Run &run);
+/// `rest`: what follows `chart`, for the program that it becomes.
+void addChart(CLI::App &parent, Run &run, std::vector<std::string> rest);
 
 /// Prints each warning as one line on standard error.
 void printWarnings(const Warnings &warnings);

@@ -3,7 +3,7 @@
 foreach(folder "${SOURCE}/tests/oidn" "${SCRATCH}/none")
     file(REMOVE_RECURSE "${SCRATCH}")
     execute_process(COMMAND ${CMAKE_COMMAND} -S "${SOURCE}" -B "${SCRATCH}" -G Ninja -D CMAKE_CXX_COMPILER=${COMPILER}
-            -D CMAKE_EXPORT_COMPILE_COMMANDS=ON -D TAUT_UNITY=OFF -D TAUT_BUILD_TESTS=OFF -D TAUT_BUILD_APPS=OFF -D OpenImageDenoise_DIR=${folder}
+            -D CMAKE_EXPORT_COMPILE_COMMANDS=ON -D TAUT_BUILD_TESTS=OFF -D TAUT_BUILD_APPS=OFF -D OpenImageDenoise_DIR=${folder}
         RESULT_VARIABLE code OUTPUT_VARIABLE said ERROR_VARIABLE said)
     if(NOT code EQUAL 0)
         message(FATAL_ERROR "configuring failed:\n${said}")

@@ -4,8 +4,6 @@
 
 namespace taut {
 
-namespace {}
-
 std::vector<Vec3> restMetrics(const Surface &surface, std::span<const Vec3> restPositions) {
     std::vector<Vec3> metrics(surface.triangles.size(), Vec3(0));
     for (std::size_t i = 0; i < metrics.size(); ++i) {

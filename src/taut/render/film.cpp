@@ -13,7 +13,7 @@ namespace taut {
 
 namespace {
 
-constexpr std::string_view kMagic = "taut film 2\n";
+constexpr std::string_view kFilmMagic = "taut film 2\n";
 /// Among the names of its AOVs: sums for denoising follow.
 constexpr std::string_view kDenoise = "+denoise2";
 /// Sums of shared samples follow.
@@ -156,7 +156,7 @@ std::vector<float> Film::resolve() const {
 }
 
 void Film::save(std::ostream &out) const {
-    out << kMagic;
+    out << kFilmMagic;
     for (const Aov aov : aovs_) out << infoOf(aov).name << ' ';
     for (const std::string &word : layers().words()) out << kLayerMark << word << ' ';
     if (denoise_) out << kDenoise << ' ';
@@ -179,8 +179,8 @@ void Film::save(std::ostream &out) const {
 }
 
 Film Film::load(std::istream &in) {
-    std::string magic(kMagic.size(), ' ');
-    if (!in.read(magic.data(), static_cast<std::streamsize>(magic.size())) || magic != kMagic)
+    std::string magic(kFilmMagic.size(), ' ');
+    if (!in.read(magic.data(), static_cast<std::streamsize>(magic.size())) || magic != kFilmMagic)
         throw InputError("film: found other bytes at its begin, expected 'taut film 2'");
     std::vector<Aov> aovs;
     FilmLayers layers;

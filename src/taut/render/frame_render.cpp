@@ -24,7 +24,7 @@ using Clock = std::chrono::steady_clock;
 constexpr int kTile = AdaptivePasses::kTile;
 /// What the seed of random numbers beside the film's is hashed with.
 constexpr std::uint32_t kOtherNumbers = 0x0c047201;
-constexpr std::string_view kMagic = "taut frame 1\n";
+constexpr std::string_view kFrameMagic = "taut frame 1\n";
 
 struct Worker {
     PathTracer tracer;
@@ -311,8 +311,8 @@ SavedHead headOf(const FrameOptions &options) {
 }
 
 SavedHead readHead(std::istream &in) {
-    std::string magic(kMagic.size(), ' ');
-    if (!in.read(magic.data(), static_cast<std::streamsize>(magic.size())) || magic != kMagic)
+    std::string magic(kFrameMagic.size(), ' ');
+    if (!in.read(magic.data(), static_cast<std::streamsize>(magic.size())) || magic != kFrameMagic)
         throw InputError("saved frame: found other bytes at its begin, expected 'taut frame 1'");
     SavedHead head;
     if (!in.read(reinterpret_cast<char *>(&head), sizeof head)) throw InputError("saved frame: found its end early, expected its head");
@@ -329,7 +329,7 @@ template <class T> void expectSame(const char *what, T saved, T own) {
 
 void FrameRender::State::saveHead(std::ostream &out) const {
     const SavedHead head = headOf(options);
-    out << kMagic;
+    out << kFrameMagic;
     out.write(reinterpret_cast<const char *>(&head), sizeof head);
 }
 

@@ -42,7 +42,7 @@ constexpr std::array kUsualOfThirds{0.68, 0.63, 0.60, 0.61, 0.63, 0.68, 0.77, 0.
 constexpr double kUsualSpread = 0.25;
 constexpr double kGreatestFactor = 2;
 /// Standard errors of the noise that are kept in reserve, and the most that is, of the noise.
-constexpr double kMargin = 2;
+constexpr double kNoiseMargin = 2;
 constexpr double kMostReserve = 0.25;
 
 /// A number of samples n, and n^-p.
@@ -215,7 +215,7 @@ void PictureNoise::measure(const std::vector<double> &variances) {
 
 /// The level, less what is not known of the noise: whoever stops when an estimate is low enough stops at one that is too low.
 double PictureNoise::aim() const {
-    return level_ / (1 + (reached_.error > 0 ? std::min(kMostReserve, kMargin * reached_.spread / reached_.error) : 0));
+    return level_ / (1 + (reached_.error > 0 ? std::min(kMostReserve, kNoiseMargin * reached_.spread / reached_.error) : 0));
 }
 
 std::vector<PictureNoise::Guide> PictureNoise::guidesOf(int reach) const {

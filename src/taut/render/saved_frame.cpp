@@ -22,7 +22,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::string_view kMagic = "taut saved frame 1\n";
+constexpr std::string_view kSavedMagic = "taut saved frame 1\n";
 constexpr std::size_t kLongestHead = 1 << 24;
 constexpr int kMostParts = 1 << 20;
 constexpr int kMostPixels = 1 << 20; ///< a side
@@ -118,8 +118,8 @@ void checkHead(const SavedHead &head, const Location &where) {
 /// From a stream that ends before the hash. `path`: for errors.
 SavedHead readHead(std::istream &in, const std::string &path) {
     const Location where{path, 0, 0, -1};
-    std::string magic(kMagic.size(), ' ');
-    if (!in.read(magic.data(), static_cast<std::streamsize>(magic.size())) || magic != kMagic)
+    std::string magic(kSavedMagic.size(), ' ');
+    if (!in.read(magic.data(), static_cast<std::streamsize>(magic.size())) || magic != kSavedMagic)
         failInput(where, "a file that is no saved frame", "a checkpoint or shard of this version");
     std::string text;
     for (int c = in.get(); c != '\n'; c = in.get()) {
@@ -255,7 +255,7 @@ std::string differenceOf(const FrameFacts &found, const FrameFacts &expected) {
 void writeSavedFrame(const std::string &path, const SavedHead &head, const FrameRender &frame) {
     makeFolderOf(path);
     CheckedWriter writer(path);
-    writer.stream() << kMagic << textOf(head) << '\n';
+    writer.stream() << kSavedMagic << textOf(head) << '\n';
     frame.save(writer.stream());
     writer.finish();
 }
