@@ -297,7 +297,7 @@ double FrameRender::seconds() const {
 namespace {
 
 /// What a saved frame must share with the one that goes on.
-struct SavedHead {
+struct PassesHead {
     std::uint32_t seed = 0;
     std::int32_t firstSample = 0;
     std::int32_t adaptive = 0; ///< 1: to the noise of every pixel; 3: of the picture
@@ -305,16 +305,16 @@ struct SavedHead {
     double noise = 0;
 };
 
-SavedHead headOf(const FrameOptions &options) {
+PassesHead headOf(const FrameOptions &options) {
     if (options.picture) return {options.seed, options.picture->firstSamples, 3, options.spp, options.picture->noise};
     return {options.seed, options.firstSample, options.noise ? 1 : 0, options.noise ? options.spp : 0, options.noise.value_or(0)};
 }
 
-SavedHead readHead(std::istream &in) {
+PassesHead readHead(std::istream &in) {
     std::string magic(kFrameMagic.size(), ' ');
     if (!in.read(magic.data(), static_cast<std::streamsize>(magic.size())) || magic != kFrameMagic)
         throw InputError("saved frame: found other bytes at its begin, expected 'taut frame 1'");
-    SavedHead head;
+    PassesHead head;
     if (!in.read(reinterpret_cast<char *>(&head), sizeof head)) throw InputError("saved frame: found its end early, expected its head");
     return head;
 }
@@ -328,14 +328,14 @@ template <class T> void expectSame(const char *what, T saved, T own) {
 } // namespace
 
 void FrameRender::State::saveHead(std::ostream &out) const {
-    const SavedHead head = headOf(options);
+    const PassesHead head = headOf(options);
     out << kFrameMagic;
     out.write(reinterpret_cast<const char *>(&head), sizeof head);
 }
 
 void FrameRender::State::checkHead(std::istream &in) const {
-    const SavedHead head = readHead(in);
-    const SavedHead own = headOf(options);
+    const PassesHead head = readHead(in);
+    const PassesHead own = headOf(options);
     expectSame("seed", head.seed, own.seed);
     expectSame("first sample", head.firstSample, own.firstSample);
     expectSame("adaptive", head.adaptive, own.adaptive);
