@@ -1,5 +1,4 @@
-/// taut chart: a program of its own, taut_charts (charts/main.cpp), since what it measures takes longer to build than all that
-/// renders.
+/// taut chart: a program of its own, taut_charts (charts/main.cpp), so that who renders need not build what measures.
 
 #include "commands.h"
 #include "this_program.h"
