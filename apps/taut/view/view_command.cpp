@@ -180,9 +180,9 @@ int view(const ViewArguments &arguments) {
     if (!server.isLoopback())
         std::cerr << "taut: warning: --host " << arguments.host << ": others on this network who have the address can change and save"
                   << std::endl;
+    const StopRequest request([&] { server.stop(); }); // who has the address may end it
     std::cout << server.url() << std::endl;
     if (!arguments.noOpen) openBrowser(server.url());
-    const StopRequest request([&] { server.stop(); });
     server.run();
     return 0;
 }
